@@ -1,0 +1,1 @@
+"""The services: one folder, one process, one idea each; they never import one another."""
