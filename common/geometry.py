@@ -16,6 +16,8 @@ from numpy.typing import NDArray
 Floats = NDArray[np.float64]
 
 STEEPEST_AXIS = math.cos(math.radians(3.0))  # an optical axis nearer the vertical has no heading on the floor
+HIGHEST_CAMERA = 20.0  # [m]
+FARTHEST_RANGE = 65.535  # [m], the most that 16 bits of millimetres can say
 
 
 class Intrinsics(NamedTuple):
@@ -40,7 +42,7 @@ class FloorPlane(NamedTuple):
 
     @classmethod
     def from_mount(cls, height: float, pitch: float = 0.0, roll: float = 0.0) -> FloorPlane:
-        """The floor below a camera mounted `height` [m] high, `pitch` [rad] downward, rolled `roll` [rad] to the right."""
+        """The floor below a camera `height` [m] high, looking `pitch` [rad] down, rolled `roll` [rad] right."""
         level = math.cos(pitch)
         return cls(-math.sin(roll) * level, -math.cos(roll) * level, -math.sin(pitch), height)
 
@@ -57,11 +59,6 @@ class Camera:
     intrinsics: Intrinsics
     range: tuple[float, float]
     floor: FloorPlane
-
-    def reach(self) -> float:
-        """Farthest horizontal distance [m] at which any pixel can measure a point."""
-        forward, left = (coefficients.table() for coefficients in scan_axes(self)[:2])
-        return self.range[1] * float(np.hypot(forward, left).max())
 
 
 class Affine(NamedTuple):
@@ -80,7 +77,7 @@ def scan_axes(camera: Camera) -> tuple[Affine, Affine, Affine]:
 
     A pixel of depth z [m] lies forward·z and left·z metres from the scan's origin and up·z + d above the floor.
     """
-    up = np.array(camera.floor[:3])
+    up = np.array(camera.floor[:3]) / np.linalg.norm(camera.floor[:3])
     forward = np.array([0.0, 0.0, 1.0]) - up[2] * up
     forward /= np.linalg.norm(forward)
     left = np.cross(up, forward)
@@ -92,3 +89,29 @@ def scan_axes(camera: Camera) -> tuple[Affine, Affine, Affine]:
         return Affine(axis[0] * x, axis[1] * y + axis[2])
 
     return along(forward), along(left), along(up)
+
+
+def reach(camera: Camera) -> float:
+    """Farthest horizontal distance [m] at which any pixel of `camera` can measure a point."""
+    forward, left, _ = scan_axes(camera)
+    return camera.range[1] * float(np.hypot(forward.table(), left.table()).max())
+
+
+def check_camera(camera: Camera) -> None:
+    """Raise ValueError where no real camera can be so, or where its axis has no heading on the floor."""
+    fx, fy, cx, cy = camera.intrinsics
+    for name, focal, centre, size in (("x", fx, cx, camera.width), ("y", fy, cy, camera.height)):
+        if not 0.1 * size <= focal <= 100.0 * size:
+            raise ValueError(f"intrinsics: f{name} of {focal} px is impossible for {size} pixels")
+        if not -size <= centre <= 2 * size:
+            raise ValueError(f"intrinsics: c{name} of {centre} px is impossible for {size} pixels")
+    near, far = camera.range
+    if not 0.0 <= near < far <= FARTHEST_RANGE:
+        raise ValueError(f"range: [{near}, {far}] m is impossible")
+    *normal, height = camera.floor
+    if abs(math.hypot(*normal) - 1.0) > 0.01:
+        raise ValueError(f"floor: the normal has length {math.hypot(*normal):.3f}, expected 1")
+    if abs(camera.floor.nz) > STEEPEST_AXIS:
+        raise ValueError("floor: the camera looks straight down or up, so its axis has no heading on the floor")
+    if not 0.0 < height <= HIGHEST_CAMERA:
+        raise ValueError(f"floor: a camera height of {height} m is impossible")

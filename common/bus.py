@@ -1,0 +1,156 @@
+"""Eclipse Zenoh, as the services use it; nothing else in the project imports it.
+
+What the settings below are for: a large frame is dropped when one of its fragments waits too long for a full link,
+so fragments may wait 0.2 s; the kernel's send buffer is kept small, or small real-time messages queue behind
+depth frames in it; a link is given up after 2 s of silence.
+"""
+
+from __future__ import annotations
+
+import json
+import logging
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from pathlib import Path
+from types import TracebackType
+from typing import Generic, Self, TypeVar
+
+import zenoh
+
+from common.message import Message
+from common.topics import Qos, Topic, alive
+
+M = TypeVar("M", bound=Message)
+log = logging.getLogger(__name__)
+
+DEFAULTS = {
+    "transport/link/tx/lease": 2000,
+    "transport/link/tx/queue/congestion_control/drop/wait_before_drop": 50_000,
+    "transport/link/tx/queue/congestion_control/drop/max_wait_before_drop_fragments": 200_000,
+    "transport/link/tcp/so_sndbuf": 65_536,
+}
+PRIORITY = {
+    Qos.BULK: zenoh.Priority.DATA_LOW,
+    Qos.REAL_TIME: zenoh.Priority.REAL_TIME,
+    Qos.STATUS: zenoh.Priority.DATA,
+}
+
+
+class BusError(Exception):
+    """The network cannot be used as asked; the text is one line that says why."""
+
+
+class NotConnected(BusError):
+    """No endpoint answers yet; it is worth trying again."""
+
+
+@dataclass(frozen=True)
+class Network:
+    """Where the other processes are. Endpoints as `tcp/127.0.0.1:7447`; with none, peers on this machine are found."""
+
+    mode: str | None = None  # peer (Zenoh's default), client or router
+    connect: list[str] = field(default_factory=list)
+    listen: list[str] = field(default_factory=list)
+    zenoh_config: Path | None = None
+
+    def settings(self) -> dict[str, object]:
+        """Zenoh's settings by key, where this says something."""
+        named: dict[str, object] = {
+            "mode": self.mode,
+            "connect/endpoints": self.connect,
+            "listen/endpoints": self.listen,
+        }
+        if self.connect or self.listen:
+            named["scouting/multicast/enabled"] = False
+        return {key: value for key, value in named.items() if value not in (None, [])}
+
+
+class Publisher(Generic[M]):
+    """Says messages of one topic."""
+
+    def __init__(self, publisher: zenoh.Publisher) -> None:
+        self._publisher = publisher
+
+    def put(self, message: M) -> None:
+        """Send a message; it is dropped where a link is full."""
+        self._publisher.put(message.encode())
+
+
+class Bus:
+    """A Zenoh session of one robot. A context manager: leaving it takes every declaration back."""
+
+    def __init__(self, network: Network, robot: str) -> None:
+        """Raises NotConnected where a client finds no router, BusError where the settings make no sense."""
+        self.robot = robot
+        self._session = _open(network)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._session.close()  # type: ignore[no-untyped-call]
+
+    def publisher(self, topic: Topic[M]) -> Publisher[M]:
+        """Declare that messages of `topic` will be said."""
+        encoding = zenoh.Encoding("application/msgpack").with_schema(topic.message.schema_name())
+        return Publisher(
+            self._session.declare_publisher(
+                topic.key(self.robot),
+                encoding=encoding,
+                congestion_control=zenoh.CongestionControl.DROP,
+                priority=PRIORITY[topic.qos],
+                express=topic.qos is Qos.REAL_TIME,
+            )
+        )
+
+    def subscribe(self, path: str, receive: Callable[[str, bytes], None]) -> None:
+        """Call `receive(path, payload)` for every sample on `path` below the robot's name; `*` and `**` are wild.
+
+        The calls come one after another from a thread of the subscription's own.
+        """
+        prefix = len(self.robot) + 1
+
+        def deliver(sample: zenoh.Sample) -> None:
+            if sample.kind == zenoh.SampleKind.PUT:
+                receive(str(sample.key_expr)[prefix:], sample.payload.to_bytes())
+
+        self._session.declare_subscriber(f"{self.robot}/{path}", deliver)
+
+    def announce(self, service: str) -> None:
+        """Tell everyone that `service` works, until the session ends."""
+        self._token = self._session.liveliness().declare_token(f"{self.robot}/{alive(service)}")
+
+    def alive(self, timeout: float = 1.0) -> set[str]:
+        """The services that work now, by their liveliness tokens."""
+        pattern = f"{self.robot}/{alive('*')}"
+        replies = self._session.liveliness().get(pattern, timeout=timeout)
+        return {str(reply.ok.key_expr).rpartition("/")[2] for reply in replies if reply.ok}
+
+    def watch_alive(self, changed: Callable[[str, bool], None]) -> None:
+        """Call `changed(service, alive)` for every service that works, and whenever that changes."""
+
+        def deliver(sample: zenoh.Sample) -> None:
+            changed(str(sample.key_expr).rpartition("/")[2], sample.kind == zenoh.SampleKind.PUT)
+
+        self._session.liveliness().declare_subscriber(f"{self.robot}/{alive('*')}", deliver, history=True)
+
+
+def _open(network: Network) -> zenoh.Session:
+    try:
+        config = zenoh.Config.from_file(str(network.zenoh_config)) if network.zenoh_config else zenoh.Config()
+        for key, value in ((DEFAULTS if not network.zenoh_config else {}) | network.settings()).items():
+            config.insert_json5(key, json.dumps(value))
+    except zenoh.ZError as error:
+        raise BusError(f"Zenoh refuses the configuration: {_first_line(error)}") from error
+    try:
+        return zenoh.open(config)
+    except zenoh.ZError as error:
+        reason = _first_line(error)
+        raise (NotConnected if "Unable to connect" in reason else BusError)(reason) from error
+
+
+def _first_line(error: Exception) -> str:
+    """Zenoh's reason without the place in its source."""
+    return str(error).split(" at /")[0].splitlines()[0].strip()

@@ -1,0 +1,81 @@
+"""Configuration: a TOML file with one table per service, overridden by KEY=VALUE; refused with one line when wrong."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any, TypeVar
+
+import tomli_w
+from pydantic import BaseModel, ConfigDict, ValidationError
+
+from common.message import explain
+
+SERVICES = ("capture", "negative", "positive", "fuse")
+
+
+class ConfigError(ValueError):
+    """The configuration cannot be used; the text is one line that says why."""
+
+
+class ServiceConfig(BaseModel):
+    """A service's table: every value typed and bounded, unknown keys refused."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+
+C = TypeVar("C", bound=ServiceConfig)
+
+
+def load(service: str, kind: type[C], file: Path | None, overrides: Iterable[str]) -> C:
+    """The configuration of `service` from its table in `file`, with `overrides` on top. Raises ConfigError."""
+    table = _read_tables(file).get(service, {}) if file else {}
+    for override in overrides:
+        _override(table, service, override)
+    try:
+        return kind.model_validate(table)
+    except ValidationError as error:
+        raise ConfigError(f"{service}.{explain(error)}") from error
+
+
+def dump(service: str, config: ServiceConfig) -> str:
+    """The effective configuration as TOML; load() reads it back to the same."""
+    return tomli_w.dumps({service: config.model_dump(mode="json")})
+
+
+def _read_tables(file: Path) -> dict[str, dict[str, Any]]:
+    try:
+        tables = tomllib.loads(file.read_text("utf-8"))
+    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
+        raise ConfigError(f"{file}: {error}") from error
+    for name, table in tables.items():
+        if name not in SERVICES:
+            raise ConfigError(f"{file}: unknown table [{name}], expected one of {', '.join(SERVICES)}")
+        if not isinstance(table, dict):
+            raise ConfigError(f"{file}: {name} is no table; write [{name}] and its keys below")
+    return tables
+
+
+def _override(table: dict[str, Any], service: str, override: str) -> None:
+    """Set one value of `table`; a dotted key reaches into its tables."""
+    key, equals, text = override.partition("=")
+    head, *path = key.strip().split(".")
+    if not equals or not path:
+        raise ConfigError(f"--set {override}: expected {service}.KEY=VALUE")
+    if head != service:
+        raise ConfigError(f"--set {override}: this service reads {service}.KEY only")
+    for part in path[:-1]:
+        table = table.setdefault(part, {})
+        if not isinstance(table, dict):
+            raise ConfigError(f"--set {override}: {part} is no table")
+    table[path[-1]] = _value(text)
+
+
+def _value(text: str) -> object:
+    """A TOML value where the text is one, or else the text itself, so that words and paths need no quotes."""
+    try:
+        parsed = tomllib.loads(f"value = {text}")
+    except tomllib.TOMLDecodeError:
+        return text
+    return parsed["value"] if len(parsed) == 1 else text

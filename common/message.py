@@ -1,0 +1,82 @@
+"""What all messages share: one msgpack map each, encoded and decoded here and nowhere else."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Self, TypeAlias
+
+import msgpack
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, PlainValidator, ValidationError
+
+
+class MessageError(ValueError):
+    """A sample is malformed; the text names each field and what was expected of it."""
+
+
+def explain(error: ValidationError) -> str:
+    """All that is wrong, on one line: `field: what was expected`."""
+    return "; ".join(
+        f"{'.'.join(map(str, detail['loc'])) or 'message'}: {detail['msg']}"
+        for detail in error.errors(include_input=False)
+    )
+
+
+def _little_endian(dtype: str) -> PlainValidator:
+    """Turns msgpack `bin` into a read-only array of `dtype`, without a copy; an array stays as it is."""
+    kind = np.dtype(dtype)
+
+    def read(value: object) -> NDArray[Any]:
+        if isinstance(value, np.ndarray):
+            return np.ascontiguousarray(value, kind)
+        if not isinstance(value, bytes):
+            raise ValueError(f"expected bin, got {type(value).__name__}")
+        if len(value) % kind.itemsize:
+            raise ValueError(f"{len(value)} bytes are no whole number of {kind.name}")
+        return np.frombuffer(value, kind)
+
+    return PlainValidator(read)
+
+
+Float32s: TypeAlias = Annotated[NDArray[np.float32], _little_endian("<f4")]
+UInt64: TypeAlias = Annotated[int, Field(ge=0, lt=2**64)]
+Stamp: TypeAlias = Annotated[int, Field(ge=0, lt=2**63)]  # [ns] since the Unix epoch
+ListAsTuple = BeforeValidator(lambda value: tuple(value) if isinstance(value, list) else value)
+
+
+class Message(BaseModel):
+    """A sample's payload. Fields are strict and finite; keys nobody knows are ignored."""
+
+    model_config = ConfigDict(
+        strict=True, frozen=True, extra="ignore", allow_inf_nan=False, arbitrary_types_allowed=True
+    )
+
+    @classmethod
+    def schema_name(cls) -> str:
+        """The schema of the Zenoh encoding, e.g. `cliffscan.LaserScan.v1`."""
+        return f"cliffscan.{cls.__name__}.v1"
+
+    def encode(self) -> bytes:
+        """The msgpack map; arrays become little-endian `bin`."""
+        fields = {name: getattr(self, name) for name in type(self).model_fields}
+        payload: bytes = msgpack.packb(fields, default=np.ndarray.tobytes)
+        return payload
+
+    @classmethod
+    def decode(cls, payload: bytes) -> Self:
+        """The message in `payload`. Raises MessageError naming each field that is missing or wrong."""
+        try:
+            fields = msgpack.unpackb(payload)
+        except (ValueError, msgpack.UnpackException) as error:
+            raise MessageError(f"not msgpack: {error}") from error
+        if not isinstance(fields, dict):
+            raise MessageError(f"expected a map, got {type(fields).__name__}")
+        return cls.of(fields)
+
+    @classmethod
+    def of(cls, fields: dict[str, Any]) -> Self:
+        """The message with these fields. Raises MessageError."""
+        try:
+            return cls.model_validate(fields)
+        except ValidationError as error:
+            raise MessageError(explain(error)) from error

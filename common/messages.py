@@ -1,0 +1,107 @@
+"""The messages of the wire contract, each field with its unit and limits."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal, Self
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import Field, PrivateAttr, model_validator
+
+from common import depth_codec
+from common.geometry import Camera, FloorPlane, Intrinsics, check_camera
+from common.message import Float32s, ListAsTuple, Message, Stamp, UInt64
+
+Side = Annotated[int, Field(ge=2, le=8192)]  # [px]
+Vector2 = Annotated[tuple[float, float], ListAsTuple]
+Vector4 = Annotated[tuple[float, float, float, float], ListAsTuple]
+
+State = Literal["starting", "working", "waiting"]  # waiting: for a device
+
+ANGLE_SLACK = 1.5  # increments: drivers of full-circle scanners disagree whether angle_max is a beam
+
+
+class DepthImage(Message):
+    """A depth image with all that is needed to see it from the floor."""
+
+    seq: UInt64
+    stamp: Stamp  # time of capture
+    frame: str
+    width: Side
+    height: Side
+    encoding: str
+    data: bytes
+    intrinsics: Vector4  # fx, fy, cx, cy [px]
+    range: Vector2  # [m] along the optical axis
+    floor: Vector4  # nx, ny, nz, d [m] in the optical frame
+    _depth: NDArray[np.uint16] = PrivateAttr()
+    _camera: Camera = PrivateAttr()
+
+    @model_validator(mode="after")
+    def _unpack(self) -> Self:
+        self._camera = Camera(
+            self.width, self.height, Intrinsics(*self.intrinsics), self.range, FloorPlane(*self.floor)
+        )
+        check_camera(self._camera)
+        self._depth = depth_codec.decode(self.data, self.encoding, self.width, self.height)
+        return self
+
+    @property
+    def depth(self) -> NDArray[np.uint16]:
+        """(height, width) [mm] along the optical axis, 0 = no return."""
+        return self._depth
+
+    @property
+    def camera(self) -> Camera:
+        """The camera and its place over the floor."""
+        return self._camera
+
+
+class LaserScan(Message):
+    """The fields of ROS `sensor_msgs/LaserScan`; ranges follow REP-117: number, +inf (free), NaN (not seen)."""
+
+    seq: UInt64
+    stamp: Stamp  # of the depth image
+    frame: str
+    angle_min: float  # [rad]
+    angle_max: float  # [rad]
+    angle_increment: Annotated[float, Field(gt=0)]  # [rad]
+    time_increment: Annotated[float, Field(ge=0)]  # [s]
+    scan_time: Annotated[float, Field(ge=0)]  # [s]
+    range_min: Annotated[float, Field(ge=0)]  # [m]
+    range_max: Annotated[float, Field(gt=0)]  # [m]
+    ranges: Float32s  # [m]
+    intensities: Float32s  # Evidence, one a beam, or none at all
+
+    @model_validator(mode="after")
+    def _consistent(self) -> Self:
+        beams = len(self.ranges)
+        if not beams:
+            raise ValueError("ranges: no beams")
+        if len(self.intensities) not in (0, beams):
+            raise ValueError(f"intensities: {len(self.intensities)} values for {beams} beams")
+        if (self.ranges < 0).any():
+            raise ValueError("ranges: negative")
+        if not np.isfinite(self.intensities).all():
+            raise ValueError("intensities: not finite")
+        last = self.angle_min + (beams - 1) * self.angle_increment
+        if abs(last - self.angle_max) > ANGLE_SLACK * self.angle_increment:
+            raise ValueError(f"angle_max: {self.angle_max}, expected {last} for {beams} beams")
+        if self.range_min >= self.range_max:
+            raise ValueError(f"range_max: {self.range_max} is not above range_min {self.range_min}")
+        return self
+
+
+class ServiceStatus(Message):
+    """How a service fares, once a second."""
+
+    stamp: Stamp
+    service: str
+    version: str
+    state: State
+    pid: UInt64
+    uptime: float  # [s]
+    rate: float  # [Hz] of its main output over the last second
+    latency: Vector2  # [s] median and 99th percentile from capture to output, of the last 300; 0 before the first
+    counts: dict[str, UInt64]  # since the start
+    note: str  # what a person should know, or nothing

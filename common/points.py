@@ -1,0 +1,93 @@
+"""A depth image as points seen from the floor, and which of them each beam sees: what the kernels work on.
+
+A pixel's azimuth does not depend on its depth, and all pixels of one azimuth lie on a straight line of the image:
+the trace of the vertical plane through the camera. So a beam is the strip between two such lines, and the pixels of
+a row that it sees are a run of columns. A strip that falls between two pixel centres of a row takes the column that
+covers the beam's middle.
+"""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from common.geometry import Affine, Camera, Floats, scan_axes
+from common.grid import Grid
+
+Columns = NDArray[np.int32]
+
+MILLIMETRE = 0.001
+
+
+class Points(NamedTuple):
+    """What a depth image tells of the floor; pixels without a usable return have height NaN."""
+
+    heights: Floats  # (rows, columns) [m] above the floor plane
+    distances: Floats  # (rows, columns) [m] along the floor, from the point below the camera
+    first: Columns  # (rows, beams): the first column that a beam sees in a row,
+    end: Columns  # (rows, beams): and the one after its last
+
+
+class _View(NamedTuple):
+    """All of a camera's points that does not depend on the depths."""
+
+    transposed: bool
+    up: Floats  # (rows, columns) [m] of height gained per millimetre of depth
+    along: Floats  # (rows, columns) [m] of distance gained per millimetre of depth; NaN where a ray leads backward
+    first: Columns
+    end: Columns
+
+
+def points_of(depth: NDArray[np.uint16], camera: Camera, grid: Grid, range_min: float = 0.0) -> Points:
+    """The points of `depth` (rows, columns) [mm] and the pixels that each beam of `grid` sees.
+
+    Depths outside the sensor's range and points nearer than range_min [m], parts of the robot, are left out.
+    A camera on its side is looked at transposed, so that beams always run nearer to the columns than to the rows.
+    """
+    view = _view_of(camera, grid)
+    millimetres = depth.T if view.transposed else depth
+    distances = view.along * millimetres
+    heights = view.up * millimetres + camera.floor.d
+    near, far = (round(limit / MILLIMETRE) for limit in camera.range)
+    usable = (millimetres >= max(near, 1)) & (millimetres <= far) & (distances >= range_min)
+    heights[~usable] = np.nan
+    return Points(heights, distances, view.first, view.end)
+
+
+@lru_cache(maxsize=4)
+def _view_of(camera: Camera, grid: Grid) -> _View:
+    _, left, _ = axes = scan_axes(camera)
+    transposed = abs(left.rows[1] - left.rows[0]) > abs(left.columns[1] - left.columns[0])
+    forward, left, up = (Affine(axis.rows, axis.columns) if transposed else axis for axis in axes)
+    ahead = forward.table()
+    along = np.where(ahead > 0.0, np.hypot(ahead, left.table()), np.nan)
+    return _View(transposed, up.table() * MILLIMETRE, along * MILLIMETRE, *_columns(forward, left, grid))
+
+
+def _columns(forward: Affine, left: Affine, grid: Grid) -> tuple[Columns, Columns]:
+    """The run of columns, first and one after the last, that each beam sees in each row: two of (rows, beams)."""
+    edges = _lines(forward, left, grid.edges())
+    one, other = edges[:, :-1], edges[:, 1:]
+    first, end = np.ceil(np.minimum(one, other)), np.ceil(np.maximum(one, other))
+    covering = np.floor(_lines(forward, left, grid.angles()) + 0.5)
+    narrow = first >= end
+    width = forward.columns.size
+    return (
+        np.clip(np.where(narrow, covering, first), 0, width).astype(np.int32),
+        np.clip(np.where(narrow, covering + 1, end), 0, width).astype(np.int32),
+    )
+
+
+def _lines(forward: Affine, left: Affine, azimuths: Floats) -> Floats:
+    """The column at which a line of constant azimuth crosses each row, for each azimuth [rad]: (rows, azimuths).
+
+    Seen from above, a ray has azimuth a where left·cos a - forward·sin a is 0, which is affine in (u, v).
+    """
+    cos, sin = np.cos(azimuths), np.sin(azimuths)
+    growth = (left.columns[1] - left.columns[0]) * cos - (forward.columns[1] - forward.columns[0]) * sin
+    start = left.columns[0] * cos - forward.columns[0] * sin
+    columns: Floats = -(start + left.rows[:, None] * cos - forward.rows[:, None] * sin) / growth
+    return columns

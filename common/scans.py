@@ -1,0 +1,60 @@
+"""What makes a scan of a depth image: the grid and limits that are configured, and the message that comes of it."""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated, Self
+
+import numpy as np
+from pydantic import Field, model_validator
+
+from common.combine import Beams
+from common.config import ServiceConfig
+from common.geometry import reach
+from common.grid import Grid
+from common.messages import DepthImage, LaserScan
+
+FRAME = "camera_footprint"  # on the floor below the camera
+
+
+class ScanConfig(ServiceConfig):
+    """The beams and limits of the scans that a depth image becomes."""
+
+    beams: Annotated[int, Field(ge=2, le=20_000)] = 640
+    field_of_view: Annotated[float, Field(gt=0, lt=180)] = 58.0  # [deg] between the first and the last beam
+    range_min: Annotated[float, Field(ge=0)] = 0.0  # [m] points nearer than this are parts of the robot itself
+    range_max: Annotated[float, Field(gt=0)] = 10.0  # [m] nothing beyond is reported
+    scan_time: Annotated[float, Field(ge=0)] = 1 / 30  # [s] between two scans
+    floor_band: Annotated[float, Field(gt=0, le=0.5)] = 0.03  # [m] above and below the plane that count as floor
+
+    @model_validator(mode="after")
+    def _limits(self) -> Self:
+        if self.range_min >= self.range_max:
+            raise ValueError(f"range_max {self.range_max} is not above range_min {self.range_min}")
+        return self
+
+    def grid(self) -> Grid:
+        """The beams."""
+        half = math.radians(self.field_of_view) / 2
+        return Grid(self.beams, -half, half)
+
+
+def laser_scan(image: DepthImage, beams: Beams, config: ScanConfig) -> LaserScan:
+    """The message that tells `beams` of `image`. Its range_max is no farther than the sensor reaches."""
+    grid = config.grid()
+    range_max = min(config.range_max, reach(image.camera))
+    ranges = np.where(beams.ranges > range_max, np.float32(np.inf), beams.ranges)
+    return LaserScan(
+        seq=image.seq,
+        stamp=image.stamp,
+        frame=FRAME,
+        angle_min=grid.angle_min,
+        angle_max=grid.angle_max,
+        angle_increment=grid.increment,
+        time_increment=0.0,
+        scan_time=config.scan_time,
+        range_min=config.range_min,
+        range_max=range_max,
+        ranges=ranges,
+        intensities=np.where(np.isfinite(ranges), beams.evidence, np.float32(0.0)),
+    )

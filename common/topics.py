@@ -1,0 +1,73 @@
+"""Every key, its message and its quality of service, in one table."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from enum import Enum
+from typing import Generic, TypeVar
+
+from common.message import Message
+from common.messages import DepthImage, LaserScan, ServiceStatus
+
+M = TypeVar("M", bound=Message)
+ROBOT_NAME = re.compile(r"[A-Za-z0-9_.-]+(/[A-Za-z0-9_.-]+)*")
+
+
+class Qos(Enum):
+    """How a sample travels. All are dropped rather than block their publisher when a link is full."""
+
+    BULK = "large, may be dropped, gives way to everything else"
+    REAL_TIME = "small, leaves at once, before everything else"
+    STATUS = "small, in no hurry"
+
+
+@dataclass(frozen=True)
+class Topic(Generic[M]):
+    """A key below the robot's name, what is said there, and how it travels."""
+
+    path: str
+    message: type[M]
+    qos: Qos
+
+    def key(self, robot: str) -> str:
+        """The full Zenoh key."""
+        return f"{robot}/{self.path}"
+
+
+DEPTH = Topic("camera/depth", DepthImage, Qos.BULK)
+SCAN_POSITIVE = Topic("scan/positive", LaserScan, Qos.REAL_TIME)
+SCAN_NEGATIVE = Topic("scan/negative", LaserScan, Qos.REAL_TIME)
+SCAN_FUSED = Topic("scan/fused", LaserScan, Qos.REAL_TIME)
+
+
+def scan(path: str) -> Topic[LaserScan]:
+    """A laser scan on a key of one's own, as `scan/lidar`."""
+    return Topic(path, LaserScan, Qos.REAL_TIME)
+
+
+def scan_negative(method: str) -> Topic[LaserScan]:
+    """The scan of one method of `negative`."""
+    return scan(f"{SCAN_NEGATIVE.path}/{method}")
+
+
+def status(service: str) -> Topic[ServiceStatus]:
+    """How a service fares."""
+    return Topic(f"status/{service}", ServiceStatus, Qos.STATUS)
+
+
+def alive(service: str) -> str:
+    """Path of a service's liveliness token."""
+    return f"alive/{service}"
+
+
+def message_at(path: str) -> type[Message] | None:
+    """What is said at a key's path below the robot's name; None where the contract does not say."""
+    for prefix, message in (
+        (DEPTH.path, DepthImage),
+        ("scan", LaserScan),
+        ("status", ServiceStatus),
+    ):
+        if path == prefix or path.startswith(prefix + "/"):
+            return message
+    return None

@@ -1,0 +1,1 @@
+"""positive: what stands on the floor, by the projection method."""
