@@ -83,6 +83,7 @@ class Bus:
         """Raises NotConnected where a client finds no router, BusError where the settings make no sense."""
         self.robot = robot
         self._session = _open(network)
+        self._token: zenoh.LivelinessToken | None = None
 
     def __enter__(self) -> Self:
         return self
@@ -105,7 +106,7 @@ class Bus:
             )
         )
 
-    def subscribe(self, path: str, receive: Callable[[str, bytes], None]) -> None:
+    def subscribe(self, path: str, receive: Callable[[str, bytes], object]) -> None:
         """Call `receive(path, payload)` for every sample on `path` below the robot's name; `*` and `**` are wild.
 
         The calls come one after another from a thread of the subscription's own.
@@ -120,7 +121,8 @@ class Bus:
 
     def announce(self, service: str) -> None:
         """Tell everyone that `service` works, until the session ends."""
-        self._token = self._session.liveliness().declare_token(f"{self.robot}/{alive(service)}")
+        if not self._token:
+            self._token = self._session.liveliness().declare_token(f"{self.robot}/{alive(service)}")
 
     def alive(self, timeout: float = 1.0) -> set[str]:
         """The services that work now, by their liveliness tokens."""

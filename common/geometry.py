@@ -61,6 +61,14 @@ class Camera:
     floor: FloorPlane
 
 
+def axes(floor: FloorPlane) -> tuple[Floats, Floats, Floats]:
+    """The scan frame's forward, left and up in the optical frame: unit vectors (3,)."""
+    up = np.array(floor[:3]) / np.linalg.norm(floor[:3])
+    forward = np.array([0.0, 0.0, 1.0]) - up[2] * up
+    forward /= np.linalg.norm(forward)
+    return forward, np.cross(up, forward), up
+
+
 class Affine(NamedTuple):
     """A quantity of a pixel's ray that is affine in (u, v), per metre of depth: columns[u] + rows[v]."""
 
@@ -77,10 +85,7 @@ def scan_axes(camera: Camera) -> tuple[Affine, Affine, Affine]:
 
     A pixel of depth z [m] lies forward·z and left·z metres from the scan's origin and up·z + d above the floor.
     """
-    up = np.array(camera.floor[:3]) / np.linalg.norm(camera.floor[:3])
-    forward = np.array([0.0, 0.0, 1.0]) - up[2] * up
-    forward /= np.linalg.norm(forward)
-    left = np.cross(up, forward)
+    forward, left, up = axes(camera.floor)
     fx, fy, cx, cy = camera.intrinsics
     x = (np.arange(camera.width) - cx) / fx
     y = (np.arange(camera.height) - cy) / fy

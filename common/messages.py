@@ -46,6 +46,24 @@ class DepthImage(Message):
         self._depth = depth_codec.decode(self.data, self.encoding, self.width, self.height)
         return self
 
+    @classmethod
+    def pack(cls, seq: int, stamp: int, frame: str, depth: NDArray[np.uint16], camera: Camera, encoding: str) -> Self:
+        """The message of a depth image (height, width) [mm], in one of the encodings of depth_codec."""
+        image = cls.model_construct(
+            seq=seq,
+            stamp=stamp,
+            frame=frame,
+            width=camera.width,
+            height=camera.height,
+            encoding=encoding,
+            data=depth_codec.encode(depth, encoding),
+            intrinsics=camera.intrinsics,
+            range=camera.range,
+            floor=camera.floor,
+        )
+        image._depth, image._camera = depth, camera
+        return image
+
     @property
     def depth(self) -> NDArray[np.uint16]:
         """(height, width) [mm] along the optical axis, 0 = no return."""

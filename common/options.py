@@ -16,11 +16,16 @@ def robot_name(text: str) -> str:
     return text
 
 
-def add_network(parser: argparse.ArgumentParser) -> None:
-    """Add --robot and Zenoh's options."""
+def add_endpoints(parser: argparse.ArgumentParser) -> None:
+    """Add --robot, --connect and --listen."""
     parser.add_argument("--robot", default="turtlebot", type=robot_name, metavar="NAME", help="prefix of its keys")
     parser.add_argument("--connect", action="append", default=[], metavar="ENDPOINT", help="as tcp/127.0.0.1:7447")
     parser.add_argument("--listen", action="append", default=[], metavar="ENDPOINT", help="as tcp/0.0.0.0:7447")
+
+
+def add_network(parser: argparse.ArgumentParser) -> None:
+    """Add the endpoints and the rest of Zenoh's options."""
+    add_endpoints(parser)
     parser.add_argument("--mode", choices=("peer", "client", "router"), help="Zenoh mode")
     parser.add_argument("--zenoh-config", type=Path, metavar="FILE", help="a Zenoh JSON5 file; options override it")
 

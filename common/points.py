@@ -48,7 +48,7 @@ def points_of(depth: NDArray[np.uint16], camera: Camera, grid: Grid, range_min: 
     A camera on its side is looked at transposed, so that beams always run nearer to the columns than to the rows.
     """
     view = _view_of(camera, grid)
-    millimetres = depth.T if view.transposed else depth
+    millimetres = np.ascontiguousarray(depth.T) if view.transposed else depth
     distances = view.along * millimetres
     heights = view.up * millimetres + camera.floor.d
     near, far = (round(limit / MILLIMETRE) for limit in camera.range)
@@ -74,11 +74,11 @@ def _columns(forward: Affine, left: Affine, grid: Grid) -> tuple[Columns, Column
     first, end = np.ceil(np.minimum(one, other)), np.ceil(np.maximum(one, other))
     covering = np.floor(_lines(forward, left, grid.angles()) + 0.5)
     narrow = first >= end
-    width = forward.columns.size
-    return (
-        np.clip(np.where(narrow, covering, first), 0, width).astype(np.int32),
-        np.clip(np.where(narrow, covering + 1, end), 0, width).astype(np.int32),
-    )
+
+    def whole(columns: Floats) -> Columns:
+        return np.nan_to_num(np.clip(columns, 0, forward.columns.size)).astype(np.int32)
+
+    return whole(np.where(narrow, covering, first)), whole(np.where(narrow, covering + 1, end))
 
 
 def _lines(forward: Affine, left: Affine, azimuths: Floats) -> Floats:

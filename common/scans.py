@@ -10,11 +10,25 @@ from pydantic import Field, model_validator
 
 from common.combine import Beams
 from common.config import ServiceConfig
+from common.depth_codec import RAW
 from common.geometry import reach
 from common.grid import Grid
 from common.messages import DepthImage, LaserScan
+from common.points import Points, points_of
 
 FRAME = "camera_footprint"  # on the floor below the camera
+BLANK = DepthImage(  # a frame in which nothing was seen: what kernels are compiled on
+    seq=0,
+    stamp=0,
+    frame="",
+    width=2,
+    height=2,
+    encoding=RAW,
+    data=bytes(8),
+    intrinsics=(2.0, 2.0, 0.5, 0.5),
+    range=(0.5, 4.5),
+    floor=(0.0, -1.0, 0.0, 0.3),
+)
 
 
 class ScanConfig(ServiceConfig):
@@ -37,6 +51,11 @@ class ScanConfig(ServiceConfig):
         """The beams."""
         half = math.radians(self.field_of_view) / 2
         return Grid(self.beams, -half, half)
+
+
+def points(image: DepthImage, config: ScanConfig) -> Points:
+    """What `image` tells of the floor, for the beams of `config`."""
+    return points_of(image.depth, image.camera, config.grid(), config.range_min)
 
 
 def laser_scan(image: DepthImage, beams: Beams, config: ScanConfig) -> LaserScan:

@@ -112,9 +112,9 @@ class Service(Generic[C]):
                 yield message
 
     def ready(self) -> None:
-        """Announce that the service can do its work."""
+        """Announce that the service can do its work; again, after it had to wait for a device."""
         self._stop.patient = True
-        self.state = "working"
+        self.state, self.note = "working", ""
         self.bus.announce(self.name)
         log.info("ready")
 
@@ -196,7 +196,7 @@ def connect(network: Network, robot: str, stop: threading.Event) -> Bus | None:
             return Bus(network, robot)
         except NotConnected as error:
             if not told:
-                log.warning("%s; trying on", error)
+                log.info("waiting for a router: %s", error)
                 told = True
             stop.wait(RETRY)
     return None

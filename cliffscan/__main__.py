@@ -1,0 +1,5 @@
+"""`python -m cliffscan` is the command `cliffscan`."""
+
+from cliffscan.cli import main
+
+main()

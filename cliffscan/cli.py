@@ -1,0 +1,112 @@
+"""The command line of `cliffscan`."""
+
+from __future__ import annotations
+
+import argparse
+import logging
+from collections.abc import Callable
+
+from cliffscan.echo import echo
+from cliffscan.status import status
+from cliffscan.supervisor import ConfigRefused
+from cliffscan.system import Plan, System
+from common import options
+from common.bus import Bus, BusError, Network
+from common.config import ConfigError
+from common.service import USAGE_ERROR, StopSignal, connect, package_version
+
+TURN = 0.1  # [s] between two looks at the processes
+
+log = logging.getLogger("cliffscan")
+
+
+def up(arguments: argparse.Namespace, stop: StopSignal) -> int:
+    """Run everything until Ctrl-C."""
+    listen = arguments.listen or list(Plan.listen)
+    plan = Plan(arguments.robot, listen, arguments.connect, arguments.config, arguments.set)
+    with System(plan, stop) as system:
+        stop.patient = True
+        while not stop.wait(TURN):
+            system.poll()
+    return 0
+
+
+def router(arguments: argparse.Namespace, stop: StopSignal) -> int:
+    """Route until Ctrl-C."""
+    network = options.network(arguments)
+    bus = connect(Network("router", network.connect, network.listen, network.zenoh_config), arguments.robot, stop)
+    if bus:
+        with bus:
+            bus.announce("router")
+            stop.wait()
+    return 0
+
+
+def on_bus(
+    work: Callable[[argparse.Namespace, Bus, StopSignal], int],
+) -> Callable[[argparse.Namespace, StopSignal], int]:
+    """A command that needs no more than the bus."""
+
+    def command(arguments: argparse.Namespace, stop: StopSignal) -> int:
+        bus = connect(options.network(arguments), arguments.robot, stop)
+        if bus is None:
+            return 0
+        with bus:
+            stop.patient = True
+            return work(arguments, bus, stop)
+
+    return command
+
+
+def build_parser() -> argparse.ArgumentParser:
+    """All commands and their options."""
+    parser = argparse.ArgumentParser(prog="cliffscan", description="Laser scans that show where the floor ends.")
+    parser.add_argument("--version", action="version", version=package_version())
+    commands = parser.add_subparsers(required=True, metavar="COMMAND")
+
+    def add(
+        name: str,
+        command: Callable[[argparse.Namespace, StopSignal], int],
+        text: str,
+        places: Callable[[argparse.ArgumentParser], None] = options.add_network,
+    ) -> argparse.ArgumentParser:
+        added = commands.add_parser(name, help=text, description=text)
+        places(added)
+        added.set_defaults(command=command)
+        return added
+
+    started = add("up", up, "Start a router and all services on this machine; Ctrl-C ends them.", options.add_endpoints)
+    options.add_config(started)
+    add("router", router, "Route between the processes of this machine, and to the routers that --connect names.")
+    shown = add(
+        "status",
+        on_bus(lambda a, bus, stop: status(bus, a.watch, stop)),
+        "Show which services live, how fast and how late they are.",
+    )
+    shown.add_argument("--watch", action="store_true", help="keep the table up to date")
+    told = add("alive", on_bus(lambda a, bus, _: int(a.service not in bus.alive())), "Exit 0 if a service works.")
+    told.add_argument("service")
+    heard = add(
+        "echo",
+        on_bus(lambda a, bus, stop: echo(bus, a.key, a.count, a.timeout, a.full, stop)),
+        "Print what is said on a key.",
+    )
+    heard.add_argument("key", help="below the robot's name, as scan/fused; * and ** are wild")
+    heard.add_argument("--count", type=int, default=0, metavar="N", help="end after N messages")
+    heard.add_argument("--timeout", type=float, default=0.0, metavar="S", help="exit 1 if they take longer")
+    heard.add_argument("--full", action="store_true", help="print arrays whole")
+    return parser
+
+
+def main() -> None:
+    """Run one command; leaves with its exit code."""
+    parser = build_parser()
+    arguments = parser.parse_args()
+    logging.basicConfig(level=logging.INFO, format="%(asctime)s %(levelname)s %(name)s: %(message)s")
+    try:
+        code = arguments.command(arguments, StopSignal())
+    except ConfigRefused:
+        code = USAGE_ERROR  # the service has said why
+    except (BusError, ConfigError) as error:
+        parser.exit(USAGE_ERROR, f"cliffscan: {error}\n")
+    parser.exit(code)

@@ -1,0 +1,36 @@
+"""Messages for people: one line of JSON, long arrays told in a few words."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from common.message import Message
+
+
+def line(message: Message, full: bool = False) -> str:
+    """The message as JSON; arrays and bytes in words, or `full`y."""
+    fields = {name: getattr(message, name) for name in type(message).model_fields}
+    return json.dumps(fields, default=_whole if full else _words, ensure_ascii=False)
+
+
+def _whole(value: Any) -> object:  # noqa: ANN401 - whatever JSON does not know
+    return (
+        [None if np.isnan(each) else each for each in value.tolist()] if isinstance(value, np.ndarray) else value.hex()
+    )
+
+
+def _words(value: Any) -> str:  # noqa: ANN401
+    return _told(value) if isinstance(value, np.ndarray) else f"{len(value)} bytes"
+
+
+def _told(values: NDArray[Any]) -> str:
+    numbers = values[np.isfinite(values)]
+    told = f"{numbers.size} numbers"
+    if numbers.size:
+        told += f" from {numbers.min():.3f} to {numbers.max():.3f}"
+    free, unseen = int(np.isposinf(values).sum()), int(np.isnan(values).sum())
+    return told + (f", {free} inf" if free else "") + (f", {unseen} nan" if unseen else "")

@@ -1,0 +1,110 @@
+"""Processes that are started together, restarted when they die, and ended together."""
+
+from __future__ import annotations
+
+import logging
+import subprocess
+import time
+from collections.abc import Sequence
+from types import TracebackType
+from typing import Self
+
+FIRST_DELAY, LONGEST_DELAY = 0.5, 10.0  # [s] before a restart; doubled each time
+STEADY = 10.0  # [s] a process must have run for its delay to begin anew
+GRACE = 3.0  # [s] to end by itself
+CONFIG_REFUSED = 2
+
+log = logging.getLogger("cliffscan")
+
+
+class ConfigRefused(Exception):
+    """A process did not accept its configuration; it has said why."""
+
+
+class Child:
+    """One process and its restarts."""
+
+    def __init__(self, name: str, command: Sequence[str]) -> None:
+        self.name = name
+        self._command = command
+        self._delay = FIRST_DELAY
+        self._restart_at = 0.0
+        self._start()
+
+    @property
+    def pid(self) -> int:
+        """Its process number, the last one where it has died."""
+        return self._process.pid
+
+    @property
+    def finished(self) -> bool:
+        """Whether it ended because its work was done."""
+        return self._process.poll() == 0
+
+    def poll(self, now: float) -> None:
+        """Start it again when it has died and its delay is over. Raises ConfigRefused."""
+        code = self._process.poll()
+        if code is None or code == 0:
+            return
+        if code == CONFIG_REFUSED:
+            raise ConfigRefused(self.name)
+        if not self._restart_at:
+            if now - self._born > STEADY:
+                self._delay = FIRST_DELAY
+            log.warning("%s died (%s); starting it again in %g s", self.name, _reason(code), self._delay)
+            self._restart_at = now + self._delay
+            self._delay = min(2 * self._delay, LONGEST_DELAY)
+        elif now >= self._restart_at:
+            self._start()
+
+    def ask_to_end(self) -> None:
+        """Send SIGTERM to it if it runs."""
+        if self._process.poll() is None:
+            self._process.terminate()
+
+    def end(self, deadline: float) -> None:
+        """Wait for its end until `deadline`, then kill it."""
+        try:
+            self._process.wait(max(0.0, deadline - time.monotonic()))
+        except subprocess.TimeoutExpired:
+            log.warning("%s does not end; killing it", self.name)
+            self._process.kill()
+            self._process.wait()
+
+    def _start(self) -> None:
+        self._process = subprocess.Popen(self._command, stdin=subprocess.DEVNULL)
+        self._born = time.monotonic()
+        self._restart_at = 0.0
+
+
+class Supervisor:
+    """Keeps processes running. A context manager: leaving it ends them all, the last one started first."""
+
+    def __init__(self) -> None:
+        self.children: dict[str, Child] = {}
+
+    def start(self, name: str, command: Sequence[str]) -> None:
+        """Start a process and keep it running."""
+        self.children[name] = Child(name, command)
+
+    def poll(self) -> None:
+        """Look after all processes; to be called a few times a second. Raises ConfigRefused."""
+        for child in self.children.values():
+            child.poll(time.monotonic())
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        deadline = time.monotonic() + GRACE
+        children = list(reversed(self.children.values()))
+        for child in children:
+            child.ask_to_end()
+        for child in children:
+            child.end(deadline)
+
+
+def _reason(code: int) -> str:
+    return f"signal {-code}" if code < 0 else f"exit {code}"

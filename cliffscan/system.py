@@ -1,0 +1,109 @@
+"""The whole system on one machine: a router, and the services that speak through it."""
+
+from __future__ import annotations
+
+import logging
+import re
+import sys
+from collections.abc import Sequence
+from contextlib import ExitStack
+from dataclasses import dataclass, field
+from pathlib import Path
+from types import TracebackType
+from typing import Self
+
+from cliffscan.supervisor import Supervisor
+from common.bus import Bus, Network
+from common.config import SERVICES, ConfigError
+from common.service import StopSignal, connect
+
+ANYWHERE = re.compile(r"/(0\.0\.0\.0|\[::\]):")
+LAST = "capture"  # started when all others are ready, so that its first frame is not lost
+OTHERS = [name for name in SERVICES if name != LAST]
+
+log = logging.getLogger("cliffscan")
+
+
+@dataclass(frozen=True)
+class Plan:
+    """What to start: the robot's name, where its router listens and which routers it joins, the configuration."""
+
+    robot: str = "turtlebot"
+    listen: Sequence[str] = ("tcp/127.0.0.1:7447",)
+    join: Sequence[str] = ()
+    config: Path | None = None
+    overrides: Sequence[str] = field(default_factory=list)  # SERVICE.KEY=VALUE
+
+    @property
+    def endpoint(self) -> str:
+        """Where the router is reached from this machine."""
+        return ANYWHERE.sub("/127.0.0.1:", self.listen[0])
+
+    def router(self) -> list[str]:
+        """The router's command line."""
+        ends = [("--listen", end) for end in self.listen] + [("--connect", end) for end in self.join]
+        words = [word for option in ends for word in option]
+        return [sys.executable, "-m", "cliffscan", "router", "--robot", self.robot, *words]
+
+    def service(self, name: str) -> list[str]:
+        """A service's command line, with the overrides that are its own."""
+        words = ["--robot", self.robot, "--mode", "client", "--connect", self.endpoint]
+        words += ["--config", str(self.config)] if self.config else []
+        for override in self.overrides:
+            words += ["--set", override] if override.startswith(f"{name}.") else []
+        return [sys.executable, "-m", f"services.{name}", *words]
+
+    def check(self) -> None:
+        """Raise ConfigError for an override that is no service's."""
+        for override in self.overrides:
+            if override.split(".")[0] not in SERVICES:
+                raise ConfigError(f"--set {override}: expected SERVICE.KEY=VALUE, SERVICE one of {', '.join(SERVICES)}")
+
+
+class System:
+    """A context manager: entering starts the router and the services, leaving ends them all.
+
+    poll() is to be called a few times a second; it starts capture when the others are ready, and what died again.
+    """
+
+    bus: Bus
+
+    def __init__(self, plan: Plan, stop: StopSignal) -> None:
+        plan.check()
+        self.alive: set[str] = set()
+        self.supervisor = Supervisor()
+        self._plan = plan
+        self._stop = stop
+        self._exit = ExitStack()
+
+    def __enter__(self) -> Self:
+        with ExitStack() as entered:
+            entered.enter_context(self.supervisor)
+            self.supervisor.start("router", self._plan.router())
+            bus = connect(Network("client", [self._plan.endpoint]), self._plan.robot, self._stop)
+            if bus is None:
+                raise SystemExit(0)
+            self.bus = entered.enter_context(bus)
+            self.bus.watch_alive(self._changed)
+            for name in OTHERS:
+                self.supervisor.start(name, self._plan.service(name))
+            self._exit = entered.pop_all()
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._exit.close()
+
+    def poll(self) -> None:
+        """Look after the processes. Raises ConfigRefused."""
+        if LAST not in self.supervisor.children and self.alive.issuperset(OTHERS):
+            self.supervisor.start(LAST, self._plan.service(LAST))
+        self.supervisor.poll()
+
+    def _changed(self, service: str, alive: bool) -> None:
+        if alive:
+            self.alive.add(service)
+            log.info("%s is ready", service)
+        else:
+            self.alive.discard(service)

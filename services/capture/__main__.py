@@ -1,0 +1,59 @@
+"""Depth frames of a Kinect, a recording or the simulator, each with its camera and floor plane."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import closing
+
+from common import topics
+from common.depth_codec import LEVELS, RAW
+from common.messages import DepthImage
+from common.service import PATIENCE, Service, main
+from services.capture.config import CaptureConfig
+from services.capture.open_source import open_source
+from services.capture.source import BadFrame, DepthFrame, Source, SourceEnded, SourceLost
+
+BACK_OFF = (0.5, 8.0)  # [s] before the first and, doubled each time, before a later attempt to open a device
+
+
+def frames(service: Service[CaptureConfig]) -> Iterator[DepthFrame]:
+    """Every good frame until the service or its source ends; a device that is lost is opened again."""
+    delay = BACK_OFF[0]
+    while service.running:
+        try:
+            with closing(open_source(service.config)) as source:
+                for frame in _frames_of(source, service):
+                    delay = BACK_OFF[0]
+                    yield frame
+        except SourceLost as error:
+            service.tally.complain("source_lost", f"{error}; trying again in {delay:g} s")
+            service.state, service.note = "waiting", str(error)
+            service.pause(delay)
+            delay = min(2 * delay, BACK_OFF[1])
+        except SourceEnded:
+            return
+
+
+def _frames_of(source: Source, service: Service[CaptureConfig]) -> Iterator[DepthFrame]:
+    service.ready()
+    while service.running:
+        try:
+            frame = source.read(PATIENCE)
+        except BadFrame as error:
+            service.tally.complain("bad_frame", str(error))
+            continue
+        if frame:
+            yield frame
+
+
+def serve(service: Service[CaptureConfig]) -> None:
+    """Publish every frame."""
+    publisher = service.publisher(topics.DEPTH)
+    encoding = LEVELS if service.config.compressed else RAW
+    for seq, (depth, stamp, camera) in enumerate(frames(service)):
+        publisher.put(DepthImage.pack(seq, stamp, service.config.frame, depth, camera, encoding))
+        service.tally.output(stamp)
+
+
+if __name__ == "__main__":
+    main("capture", CaptureConfig, serve)

@@ -1,0 +1,45 @@
+"""The configuration of capture."""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated, Literal
+
+from pydantic import Field
+
+from common.config import ServiceConfig
+from common.geometry import FloorPlane
+
+Pixels = Annotated[float, Field(gt=0)]
+
+
+class CaptureConfig(ServiceConfig):
+    """Where depth frames come from, how the camera is mounted, and how frames travel."""
+
+    source: Literal["simulator", "replay", "kinect"] = "simulator"
+    compressed: bool = True  # without loss; False sends raw 16UC1
+    frame: str = "camera_depth_optical_frame"
+    rate: Annotated[float, Field(gt=0, le=1000)] = 30.0  # [Hz] of the simulator and of a replay
+
+    # the nominal mount, for the simulator and the Kinect; a depth folder brings its own
+    height: Annotated[float, Field(gt=0, le=20)] = 0.30  # [m] of the camera above the floor
+    pitch: Annotated[float, Field(gt=-87, lt=87)] = 0.0  # [deg] the camera looks down
+    roll: Annotated[float, Field(ge=-180, le=180)] = 0.0  # [deg] the camera leans to its right
+
+    # replay
+    path: str = ""  # a depth folder
+    loop: bool = True  # play it again and again
+
+    # simulator
+    world: str = "paper_room"
+    seed: int = 0  # of the sensor's noise
+
+    # kinect
+    device: Annotated[int, Field(ge=0)] = 0  # which of several
+    depth_mode: Literal["mm", "11bit"] = "mm"  # calibrated in the device, or its raw disparities
+    intrinsics: tuple[Pixels, Pixels, Pixels, Pixels] = (575.8, 575.8, 314.5, 235.5)  # fx, fy, cx, cy [px]
+    range: tuple[Pixels, Pixels] = (0.5, 4.5)  # [m] along the optical axis that is trusted
+
+    def floor(self) -> FloorPlane:
+        """The floor as the mount has it."""
+        return FloorPlane.from_mount(self.height, math.radians(self.pitch), math.radians(self.roll))

@@ -1,0 +1,46 @@
+"""The source that the configuration names."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from common.config import ConfigError
+from common.geometry import Camera, Intrinsics
+from services.capture.config import CaptureConfig
+from services.capture.source import Source
+
+
+def open_source(config: CaptureConfig) -> Source:
+    """Open the configured source; what only one source needs is imported only for it.
+
+    Raises SourceLost where its device is not there, ConfigError where it can never be opened.
+    """
+    try:
+        return OPENERS[config.source](config)
+    except ModuleNotFoundError as error:
+        extra = "simulator" if config.source == "simulator" else "capture"
+        raise ConfigError(
+            f"capture.source {config.source} needs {error.name}: pip install 'cliffscan[{extra}]'"
+        ) from error
+
+
+def _replay(config: CaptureConfig) -> Source:
+    from services.capture.replay import Replay
+
+    return Replay(Path(config.path), config.rate, config.loop)
+
+
+def _simulator(config: CaptureConfig) -> Source:
+    from services.capture.simulated import Simulated
+
+    return Simulated(config.world, config.floor(), config.rate, config.seed)
+
+
+def _kinect(config: CaptureConfig) -> Source:
+    from services.capture.kinect import Kinect
+
+    camera = Camera(640, 480, Intrinsics(*config.intrinsics), config.range, config.floor())
+    return Kinect(camera, config.depth_mode, config.device)
+
+
+OPENERS = {"replay": _replay, "simulator": _simulator, "kinect": _kinect}

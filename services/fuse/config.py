@@ -1,0 +1,33 @@
+"""The configuration of fuse."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from pydantic import Field, field_validator
+
+from common.config import ServiceConfig
+
+
+class ExtraInput(ServiceConfig):
+    """A further scan, on its own grid and from its own place. Without a fresh one nothing is published."""
+
+    key: Annotated[str, Field(pattern=r"^[A-Za-z0-9_.-]+(/[A-Za-z0-9_.-]+)*$")]  # below the robot's name: scan/lidar
+    x: float = 0.0  # [m] where it is mounted, ahead of
+    y: float = 0.0  # [m] and left of the point below the camera
+    yaw: float = 0.0  # [deg] where it looks, counter-clockwise from the camera's heading
+    max_age: Annotated[float, Field(gt=0)] = 0.2  # [s] that its stamp may differ from the frame's
+
+
+class FuseConfig(ServiceConfig):
+    """How long scans wait for their partner, and the extra inputs by name."""
+
+    timeout: Annotated[float, Field(gt=0)] = 0.5  # [s] after which a scan without its partner is dropped
+    inputs: Annotated[dict[str, ExtraInput], Field(default_factory=dict)]
+
+    @field_validator("inputs")
+    @classmethod
+    def _names(cls, inputs: dict[str, ExtraInput]) -> dict[str, ExtraInput]:
+        if inputs.keys() & {"positive", "negative"}:
+            raise ValueError("an extra input cannot be named positive or negative")
+        return inputs

@@ -1,0 +1,63 @@
+"""One scan of several: positive and negative of a frame, and the extra inputs."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+import numpy as np
+
+from common.combine import Beams, Ranges, combine
+from common.evidence import Evidence
+from common.grid import Grid
+from common.messages import LaserScan
+from services.fuse.config import ExtraInput
+from services.fuse.pairing import Pair
+from services.fuse.resample import resample
+
+
+class GridMismatch(ValueError):
+    """Two scans of one frame have different beams; the text says which."""
+
+
+def fuse(pair: Pair, extras: Mapping[str, tuple[ExtraInput, LaserScan]]) -> LaserScan:
+    """The nearest of all inputs, beam by beam, on the grid of the pair. Paper: algorithm 3.
+
+    An extra input can add obstacles; it neither frees a beam that the camera did not see nor closes one that it does
+    not see itself. Raises GridMismatch.
+    """
+    positive, negative = pair
+    grid = _grid(positive)
+    if _grid(negative) != grid:
+        raise GridMismatch(f"positive has {grid}, negative has {_grid(negative)}")
+    range_max = min(positive.range_max, negative.range_max)
+    inputs = [_beams(positive, Evidence.POSITIVE), _beams(negative, Evidence.DROP)]
+    inputs += [Beams.of(_resampled(source, scan, grid), Evidence.EXTRA) for source, scan in extras.values()]
+    ranges, evidence = combine(inputs)
+    beyond = ranges > range_max
+    return positive.model_copy(
+        update={
+            "range_min": min(positive.range_min, negative.range_min),
+            "range_max": range_max,
+            "ranges": np.where(beyond, np.float32(np.inf), ranges),
+            "intensities": np.where(beyond, np.float32(0.0), evidence),
+        }
+    )
+
+
+def _grid(scan: LaserScan) -> Grid:
+    return Grid(len(scan.ranges), scan.angle_min, scan.angle_max)
+
+
+def _beams(scan: LaserScan, otherwise: Evidence) -> Beams:
+    """The beams of a scan; one that came without evidence is taken for what its key says."""
+    if not len(scan.intensities):
+        return Beams.of(scan.ranges, otherwise)
+    return Beams(scan.ranges, scan.intensities)
+
+
+def _resampled(source: ExtraInput, scan: LaserScan, grid: Grid) -> Ranges:
+    valid = (scan.ranges >= scan.range_min) & (scan.ranges <= scan.range_max)
+    ranges = np.where(valid, scan.ranges, np.float32(np.nan))
+    angles = scan.angle_min + scan.angle_increment * np.arange(len(ranges), dtype=np.float64)
+    return resample(ranges, angles, scan.angle_increment, (source.x, source.y, math.radians(source.yaw)), grid)

@@ -1,0 +1,42 @@
+"""Scans of one frame find each other by their stamp."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from common.messages import LaserScan
+
+ROOM = 64  # frames that may wait at once
+
+
+class Pair(NamedTuple):
+    """Both scans of one frame."""
+
+    positive: LaserScan
+    negative: LaserScan
+
+
+class Pairing:
+    """Holds each scan until its partner, of exactly the same stamp, comes, or for `timeout` [s] at most.
+
+    Times are given by the caller [s], on any clock that does not go back.
+    """
+
+    def __init__(self, timeout: float) -> None:
+        self._timeout = timeout
+        self._waiting: dict[int, tuple[float, dict[str, LaserScan]]] = {}
+
+    def add(self, side: str, scan: LaserScan, now: float) -> Pair | None:
+        """Take in the `positive` or `negative` scan of a frame. The pair, where this completes one."""
+        _, sides = self._waiting.setdefault(scan.stamp, (now, {}))
+        sides[side] = scan
+        if len(sides) < len(Pair._fields):
+            return None
+        del self._waiting[scan.stamp]
+        return Pair(**sides)
+
+    def drop_late(self, now: float) -> list[str]:
+        """Give up frames that waited too long, or are too many; tells of each which side came."""
+        late = [stamp for stamp, (since, _) in self._waiting.items() if now - since >= self._timeout]
+        late += [stamp for stamp in list(self._waiting)[:-ROOM] if stamp not in late]
+        return [f"stamp {stamp}: only {', '.join(self._waiting.pop(stamp)[1])} came" for stamp in late]

