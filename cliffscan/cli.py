@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import logging
+import time
 from collections.abc import Callable
 
 from cliffscan.echo import echo
@@ -16,6 +17,7 @@ from common.config import ConfigError
 from common.service import USAGE_ERROR, StopSignal, connect, package_version
 
 TURN = 0.1  # [s] between two looks at the processes
+PATIENCE = 1.0  # [s] in which a new session has heard of every service that works
 
 log = logging.getLogger("cliffscan")
 
@@ -25,7 +27,6 @@ def up(arguments: argparse.Namespace, stop: StopSignal) -> int:
     listen = arguments.listen or list(Plan.listen)
     plan = Plan(arguments.robot, listen, arguments.connect, arguments.config, arguments.set)
     with System(plan, stop) as system:
-        stop.patient = True
         while not stop.wait(TURN):
             system.poll()
     return 0
@@ -42,6 +43,15 @@ def router(arguments: argparse.Namespace, stop: StopSignal) -> int:
     return 0
 
 
+def alive(service: str, bus: Bus, stop: StopSignal) -> int:
+    """0 as soon as `service` is heard to work; 1 where that takes longer than news of it can take."""
+    deadline = time.monotonic() + PATIENCE
+    while service not in bus.alive():
+        if time.monotonic() > deadline or stop.wait(TURN):
+            return 1
+    return 0
+
+
 def on_bus(
     work: Callable[[argparse.Namespace, Bus, StopSignal], int],
 ) -> Callable[[argparse.Namespace, StopSignal], int]:
@@ -52,7 +62,6 @@ def on_bus(
         if bus is None:
             return 0
         with bus:
-            stop.patient = True
             return work(arguments, bus, stop)
 
     return command
@@ -84,7 +93,7 @@ def build_parser() -> argparse.ArgumentParser:
         "Show which services live, how fast and how late they are.",
     )
     shown.add_argument("--watch", action="store_true", help="keep the table up to date")
-    told = add("alive", on_bus(lambda a, bus, _: int(a.service not in bus.alive())), "Exit 0 if a service works.")
+    told = add("alive", on_bus(lambda a, bus, stop: alive(a.service, bus, stop)), "Exit 0 if a service works.")
     told.add_argument("service")
     heard = add(
         "echo",

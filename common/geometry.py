@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -96,6 +97,7 @@ def scan_axes(camera: Camera) -> tuple[Affine, Affine, Affine]:
     return along(forward), along(left), along(up)
 
 
+@lru_cache(maxsize=4)
 def reach(camera: Camera) -> float:
     """Farthest horizontal distance [m] at which any pixel of `camera` can measure a point."""
     forward, left, _ = scan_axes(camera)

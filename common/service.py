@@ -37,11 +37,11 @@ log = logging.getLogger(__name__)
 
 
 class StopSignal(threading.Event):
-    """Set by SIGTERM and Ctrl-C. While not patient, as during a long compilation, the signal also ends the process."""
+    """Set by SIGTERM and Ctrl-C. While not patient, as during a long compilation, the signal raises SystemExit."""
 
     def __init__(self) -> None:
         super().__init__()
-        self.patient = False
+        self.patient = True
         for number in (signal.SIGTERM, signal.SIGINT):
             signal.signal(number, self._on_signal)
 
@@ -162,7 +162,8 @@ def main(name: str, kind: type[C], serve: Callable[[Service[C]], None]) -> None:
     except ConfigError as error:
         parser.exit(USAGE_ERROR, f"{name}: {error}\n")
     if arguments.dump_config:
-        parser.exit(0, configuration.dump(name, config))
+        sys.stdout.write(configuration.dump(name, config))
+        parser.exit(0)
     logging.basicConfig(level=logging.INFO, format=f"%(asctime)s %(levelname)s {name}: %(message)s")
     try:
         run(name, config, options.network(arguments), arguments.robot, serve)
@@ -177,12 +178,16 @@ def run(name: str, config: C, network: Network, robot: str, serve: Callable[[Ser
     if bus is None:
         return
     with bus:
+        log.info("starting, version %s", package_version())
         service = Service(name, config, bus, stop)
         teller = threading.Thread(target=service.tell_status, name="status")
         teller.start()
         try:
-            serve(service)
+            stop.patient = False
+            if not stop.is_set():
+                serve(service)
         finally:
+            stop.patient = True
             stop.set()
             teller.join()
         log.info("ended: %s", service.tally.counts())

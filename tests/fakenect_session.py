@@ -42,9 +42,13 @@ def library_folder() -> Path | None:
 
 
 def play(session: Path, player: Callable[..., None], *arguments: str) -> subprocess.CompletedProcess[str]:
-    """Run a player with fakenect in libfreenect's place; versions after 0.5.3 would loop unless told not to."""
-    fakenect = {"LD_LIBRARY_PATH": str(library_folder()), "FAKENECT_PATH": str(session), "FAKENECT_LOOP": "0"}
-    return run(player, *arguments, **fakenect)
+    """Run a player with fakenect in libfreenect's place."""
+    return run(player, *arguments, **session_environment(session))
+
+
+def session_environment(session: Path) -> dict[str, str]:
+    """What makes a process find fakenect and its session; versions after 0.5.3 would loop unless told not to."""
+    return {"LD_LIBRARY_PATH": str(library_folder()), "FAKENECT_PATH": str(session), "FAKENECT_LOOP": "0"}
 
 
 def run(player: Callable[..., None], *arguments: str, **environment: str) -> subprocess.CompletedProcess[str]:

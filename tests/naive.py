@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from functools import cache
 
 import numpy as np
 
@@ -35,21 +36,24 @@ def angle_of(camera: Camera, row: float, column: float) -> float:
     return math.atan2(left.dot(direction), forward.dot(direction))
 
 
-def pixels_of_beams(camera: Camera, grid: Grid) -> Iterator[tuple[int, int, int]]:
+@cache
+def pixels_of_beams(camera: Camera, grid: Grid) -> list[tuple[int, int, int]]:
     """(row, column, beam) for all that a beam sees: the pixels within half an increment, or the one that covers it."""
+    seen = []
     for row in range(camera.height):
         narrow = set(range(grid.beams))
         for column in range(camera.width):
             step = math.floor((angle_of(camera, row, column) - grid.angle_min) / grid.increment + 0.5)  # equation (2)
             if 0 <= step < grid.beams:
                 narrow.discard(step)
-                yield row, column, step
+                seen.append((row, column, step))
         bounds = [angle_of(camera, row, column - 0.5) for column in range(camera.width + 1)]
         for step in narrow:
             angle = grid.angle_min + step * grid.increment
             for column in range(camera.width):
                 if min(bounds[column : column + 2]) <= angle < max(bounds[column : column + 2]):
-                    yield row, column, step
+                    seen.append((row, column, step))
+    return seen
 
 
 def points(depth: np.ndarray, camera: Camera, grid: Grid) -> Iterator[tuple[int, float, float, float]]:

@@ -1,0 +1,215 @@
+"""Real processes on a private router, and a client that knows nothing but the contract."""
+
+import contextlib
+import os
+import queue
+import signal
+import socket
+import subprocess
+import sys
+import threading
+import uuid
+
+import msgpack
+import numpy as np
+import pytest
+import zenoh
+
+DEADLINE = 30.0  # [s] after which a fact that did not come will not come
+
+
+def free_endpoint():
+    """An endpoint that nobody listens on, at this moment."""
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        return f"tcp/127.0.0.1:{server.getsockname()[1]}"
+
+
+def open_router():
+    """A router of our own and its endpoint; another process may be quicker to take the port, then it is another."""
+    for _ in range(20):
+        endpoint = free_endpoint()
+        config = zenoh.Config()
+        for key, value in (
+            ("mode", '"router"'),
+            ("listen/endpoints", f'["{endpoint}"]'),
+            ("scouting/multicast/enabled", "false"),
+        ):
+            config.insert_json5(key, value)
+        with contextlib.suppress(zenoh.ZError):
+            return zenoh.open(config), endpoint
+    raise AssertionError("no free port")
+
+
+class Client:
+    """A program of somebody else's: plain Zenoh and msgpack."""
+
+    def __init__(self) -> None:
+        self.session, self.endpoint = open_router()
+        self.robot = f"robot-{uuid.uuid4().hex[:12]}"
+        self._alive = {}
+        self._changed = threading.Condition()
+        self.session.liveliness().declare_subscriber(f"{self.robot}/alive/*", self._token, history=True)
+
+    def _token(self, sample):
+        with self._changed:
+            self._alive[str(sample.key_expr).rpartition("/")[2]] = sample.kind == zenoh.SampleKind.PUT
+            self._changed.notify_all()
+
+    def wait_alive(self, service, alive=True):
+        with self._changed:
+            assert self._changed.wait_for(lambda: self._alive.get(service, False) == alive, DEADLINE), service
+
+    def put(self, path, message):
+        payload = message if isinstance(message, bytes) else msgpack.packb(message)
+        self.session.put(f"{self.robot}/{path}", payload, congestion_control=zenoh.CongestionControl.BLOCK)
+
+    def listen(self, path):
+        return Ear(self.session, f"{self.robot}/{path}")
+
+
+class Ear:
+    """What is said on a key, in order."""
+
+    def __init__(self, session, key) -> None:
+        self._heard = queue.Queue()
+        self._subscriber = session.declare_subscriber(
+            key, lambda sample: self._heard.put((str(sample.encoding), msgpack.unpackb(sample.payload.to_bytes())))
+        )
+
+    def get(self):
+        """The next message."""
+        return self._heard.get(timeout=DEADLINE)[1]
+
+    def encoding(self):
+        return self._heard.get(timeout=DEADLINE)[0]
+
+    def until(self, holds):
+        """The first message of which `holds` is true."""
+        while True:
+            message = self.get()
+            if holds(message):
+                return message
+
+    def all(self):
+        """All that was said and not yet read."""
+        messages = []
+        with contextlib.suppress(queue.Empty):
+            while True:
+                messages.append(self._heard.get_nowait()[1])
+        return messages
+
+
+def ranges(scan):
+    return np.frombuffer(scan["ranges"], "<f4")
+
+
+def intensities(scan):
+    return np.frombuffer(scan["intensities"], "<f4")
+
+
+def image(camera, depth, stamp, seq=0, **changes):
+    """A raw DepthImage as the contract has it."""
+    fields = {
+        "seq": seq,
+        "stamp": stamp,
+        "frame": "somewhere",
+        "width": camera.width,
+        "height": camera.height,
+        "encoding": "16UC1",
+        "data": depth.astype("<u2").tobytes(),
+        "intrinsics": list(camera.intrinsics),
+        "range": list(camera.range),
+        "floor": list(camera.floor),
+    }
+    return fields | changes
+
+
+def scan(values, stamp, seq=0, **changes):
+    """A LaserScan as the contract has it."""
+    fields = {
+        "seq": seq,
+        "stamp": stamp,
+        "frame": "camera_footprint",
+        "angle_min": -0.5,
+        "angle_max": 0.5,
+        "angle_increment": 1.0 / (len(values) - 1),
+        "time_increment": 0.0,
+        "scan_time": 0.033,
+        "range_min": 0.0,
+        "range_max": 10.0,
+        "ranges": np.asarray(values, "<f4").tobytes(),
+        "intensities": b"",
+    }
+    return fields | changes
+
+
+@pytest.fixture
+def client():
+    made = Client()
+    yield made
+    made.session.close()
+
+
+class Running:
+    """A process and what it says on its standard error."""
+
+    def __init__(self, command, **environment) -> None:
+        self.process = subprocess.Popen(command, env=os.environ | environment, stderr=subprocess.PIPE, text=True)
+        self.said = ""
+        self.expected = 0
+        self._heard = threading.Condition()
+        self._reader = threading.Thread(target=self._read, daemon=True)
+        self._reader.start()
+
+    def _read(self):
+        for line in self.process.stderr:
+            with self._heard:
+                self.said += line
+                self._heard.notify_all()
+
+    def wait_said(self, words):
+        with self._heard:
+            assert self._heard.wait_for(lambda: words in self.said, DEADLINE), self.said
+
+    def signal(self, number):
+        if self.process.poll() is None:
+            self.process.send_signal(number)
+
+    def end(self):
+        """Its exit code, when it has ended; it must never have fallen over."""
+        code = self.process.wait(DEADLINE)
+        self._reader.join(DEADLINE)
+        assert "Traceback" not in self.said, self.said
+        return code
+
+
+@pytest.fixture
+def run():
+    """Start processes; at the end each must leave as expected, by default with 0, when told to."""
+    running = []
+
+    def begin(command, **environment):
+        running.append(Running(command, **environment))
+        return running[-1]
+
+    yield begin
+    for process in running:
+        process.signal(signal.SIGTERM)
+    for process in running:
+        assert process.end() == process.expected, process.said
+
+
+@pytest.fixture
+def start(client, run):
+    """Start a service and wait until it is ready."""
+
+    def begin(service, *options, wait=True, where=None, **environment):
+        place = ["--connect", client.endpoint] if where is None else where
+        process = run(
+            [sys.executable, "-m", f"services.{service}", "--robot", client.robot, *place, *options], **environment
+        )
+        if wait:
+            client.wait_alive(service)
+        return process
+
+    return begin

@@ -1,0 +1,97 @@
+"""How a service is configured, starts, and ends."""
+
+import signal
+import subprocess
+import sys
+import tomllib
+
+import pytest
+
+from common.config import SERVICES
+from tests.service.conftest import free_endpoint
+
+
+def ask(service, *options):
+    return subprocess.run(
+        [sys.executable, "-m", f"services.{service}", *options], capture_output=True, text=True, timeout=60, check=False
+    )
+
+
+@pytest.mark.parametrize("service", SERVICES)
+def test_dump_config_reads_back_to_itself(service, tmp_path):
+    first = ask(service, "--dump-config")
+    assert first.returncode == 0
+    assert list(tomllib.loads(first.stdout)) == [service]
+    file = tmp_path / "config.toml"
+    file.write_text(first.stdout)
+    assert ask(service, "--config", str(file), "--dump-config").stdout == first.stdout
+
+
+@pytest.mark.parametrize(
+    ("options", "reason"),
+    [
+        (["--set", "negative.floor_band=-1"], "negative.floor_band"),
+        (["--set", "negative.colour=red"], "negative.colour"),
+        (["--set", "negative.methods=[]"], "negative.methods"),
+        (["--set", "floor_band"], "expected negative.KEY=VALUE"),
+        (["--set", "capture.rate=5"], "this service reads negative.KEY only"),
+        (["--config", "nowhere.toml"], "nowhere.toml"),
+        (["--connect", "nonsense"], "Zenoh refuses"),
+        (["--robot", "a*b"], "no robot name"),
+    ],
+)
+def test_a_bad_setting_is_refused_with_one_line(options, reason):
+    refused = ask("negative", *options)
+    assert refused.returncode == 2
+    last = refused.stderr.strip().splitlines()[-1]
+    assert reason in last
+    assert "Traceback" not in refused.stderr
+    if "--robot" not in options:
+        assert refused.stderr.count("\n") == 1
+
+
+@pytest.mark.parametrize(
+    ("settings", "reason"),
+    [
+        (["source=replay"], "camera.json"),
+        (["source=replay", "path=/nowhere"], "/nowhere/camera.json"),
+        (["world=the moon"], "paper_room"),
+    ],
+)
+def test_a_source_that_can_never_be_opened_is_refused_with_one_line(client, start, settings, reason):
+    options = [word for setting in settings for word in ("--set", f"capture.{setting}")]
+    process = start("capture", *options, wait=False)
+    process.expected = 2
+    assert process.end() == 2
+    assert reason in process.said.splitlines()[-1]
+
+
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
+@pytest.mark.parametrize("service", SERVICES)
+def test_a_signal_ends_a_service_with_0(client, start, service, number):
+    process = start(service)
+    process.signal(number)
+    assert process.end() == 0
+    client.wait_alive(service, alive=False)
+
+
+def test_a_service_waits_for_its_router_and_still_ends_with_0(start):
+    process = start("fuse", wait=False, where=["--mode", "client", "--connect", free_endpoint()])
+    process.wait_said("waiting for a router")
+    process.signal(signal.SIGTERM)
+    assert process.end() == 0
+
+
+def test_a_signal_during_compilation_ends_a_service_with_0(start, tmp_path):
+    process = start("negative", wait=False, NUMBA_CACHE_DIR=str(tmp_path))
+    process.wait_said("starting")
+    process.signal(signal.SIGTERM)
+    assert process.end() == 0
+
+
+def test_with_no_endpoint_services_find_each_other(client, start, run):
+    """All by themselves: what `echo` hears came from fuse, which heard positive and negative, which heard capture."""
+    for service in SERVICES:
+        start(service, wait=False, where=[])
+    command = [sys.executable, "-m", "cliffscan", "echo", "scan/fused", "--robot", client.robot, "--count", "1"]
+    assert run(command).end() == 0
