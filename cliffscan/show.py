@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from typing import Any
 
 import numpy as np
@@ -18,9 +19,14 @@ def line(message: Message, full: bool = False) -> str:
 
 
 def _whole(value: Any) -> object:  # noqa: ANN401 - whatever JSON does not know
-    return (
-        [None if np.isnan(each) else each for each in value.tolist()] if isinstance(value, np.ndarray) else value.hex()
-    )
+    return [_number(each) for each in value.tolist()] if isinstance(value, np.ndarray) else value.hex()
+
+
+def _number(value: float) -> float | str | None:
+    """JSON has neither: a free beam is "inf", one that was not seen null."""
+    if math.isnan(value):
+        return None
+    return value if math.isfinite(value) else "inf"
 
 
 def _words(value: Any) -> str:  # noqa: ANN401

@@ -56,7 +56,8 @@ class Plan:
     def check(self) -> None:
         """Raise ConfigError for an override that is no service's."""
         for override in self.overrides:
-            if override.split(".")[0] not in SERVICES:
+            service, dot, _ = override.partition(".")
+            if not dot or service not in SERVICES:
                 raise ConfigError(f"--set {override}: expected SERVICE.KEY=VALUE, SERVICE one of {', '.join(SERVICES)}")
 
 

@@ -22,6 +22,13 @@ class Beams(NamedTuple):
         """All numbers rest on the same evidence; where there is no number there is none."""
         return cls(ranges, np.where(np.isfinite(ranges), np.float32(evidence), np.float32(0.0)))
 
+    def within(self, range_max: float) -> Beams:
+        """The same where numbers beyond range_max [m] are +inf: nothing was found up to there."""
+        beyond = self.ranges > range_max
+        return Beams(
+            np.where(beyond, np.float32(np.inf), self.ranges), np.where(beyond, np.float32(0.0), self.evidence)
+        )
+
 
 def combine(scans: Sequence[Beams]) -> Beams:
     """The nearest number of each beam, with its evidence; of equal ones the first. Paper: algorithm 3.

@@ -22,7 +22,7 @@ class ConfigError(ValueError):
 class ServiceConfig(BaseModel):
     """A service's table: every value typed and bounded, unknown keys refused."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+    model_config = ConfigDict(strict=True, frozen=True, extra="forbid", allow_inf_nan=False)
 
 
 C = TypeVar("C", bound=ServiceConfig)
@@ -32,7 +32,7 @@ def load(service: str, kind: type[C], file: Path | None, overrides: Iterable[str
     """The configuration of `service` from its table in `file`, with `overrides` on top. Raises ConfigError."""
     table = _read_tables(file).get(service, {}) if file else {}
     for override in overrides:
-        _override(table, service, override)
+        _override(table, service, override, kind)
     try:
         return kind.model_validate(table)
     except ValidationError as error:
@@ -47,7 +47,7 @@ def dump(service: str, config: ServiceConfig) -> str:
 def _read_tables(file: Path) -> dict[str, dict[str, Any]]:
     try:
         tables = tomllib.loads(file.read_text("utf-8"))
-    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
+    except (OSError, ValueError, RecursionError) as error:
         raise ConfigError(f"{file}: {error}") from error
     for name, table in tables.items():
         if name not in SERVICES:
@@ -57,8 +57,8 @@ def _read_tables(file: Path) -> dict[str, dict[str, Any]]:
     return tables
 
 
-def _override(table: dict[str, Any], service: str, override: str) -> None:
-    """Set one value of `table`; a dotted key reaches into its tables."""
+def _override(table: dict[str, Any], service: str, override: str, kind: type[ServiceConfig]) -> None:
+    """Set one value of `table`; a dotted key reaches into its tables. A text that looks like a number stays a text."""
     key, equals, text = override.partition("=")
     head, *path = key.strip().split(".")
     if not equals or not path:
@@ -69,13 +69,15 @@ def _override(table: dict[str, Any], service: str, override: str) -> None:
         table = table.setdefault(part, {})
         if not isinstance(table, dict):
             raise ConfigError(f"--set {override}: {part} is no table")
-    table[path[-1]] = _value(text)
+    value = _value(text)
+    wants_text = len(path) == 1 and path[0] in kind.model_fields and kind.model_fields[path[0]].annotation is str
+    table[path[-1]] = text if wants_text and not isinstance(value, str) else value
 
 
 def _value(text: str) -> object:
     """A TOML value where the text is one, or else the text itself, so that words and paths need no quotes."""
     try:
         parsed = tomllib.loads(f"value = {text}")
-    except tomllib.TOMLDecodeError:
+    except (ValueError, RecursionError):
         return text
     return parsed["value"] if len(parsed) == 1 else text

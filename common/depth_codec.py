@@ -18,17 +18,18 @@ ENCODINGS = (LEVELS, RAW)
 
 Depth = NDArray[np.uint16]
 COUNT = np.dtype("<u2")
+MOST = 65_536  # levels there can be; their count is then written as 0
 
 
 def encode(depth: Depth, encoding: str) -> bytes:
     """The bytes of `depth` (rows, columns) [mm] in one of ENCODINGS."""
     if encoding == RAW:
         return depth.astype("<u2", copy=False).tobytes()
-    levels, places = _places(depth)
+    levels, places = _places(np.ascontiguousarray(depth))
     steps = np.diff(places, axis=1, prepend=np.uint16(0)).view(np.int16)
     folded = ((steps << 1) ^ (steps >> 15)).view(np.uint16)
     planes = folded.astype("<u2", copy=False).view(np.uint8).reshape(-1, 2).T
-    header = np.concatenate(([len(levels)], levels)).astype(COUNT).tobytes()
+    header = np.concatenate(([len(levels) % MOST], levels)).astype(COUNT).tobytes()
     return header + zstandard.ZstdCompressor(level=1).compress(planes.tobytes())
 
 
@@ -59,9 +60,9 @@ def _places(depth: Depth) -> tuple[Depth, Depth]:
 
 
 def _split_header(data: bytes) -> tuple[Depth, bytes]:
-    count = int.from_bytes(data[: COUNT.itemsize], "little")
+    count = int.from_bytes(data[: COUNT.itemsize], "little") or MOST
     end = COUNT.itemsize * (1 + count)
-    if len(data) < end or not count:
+    if len(data) < end:
         raise ValueError(f"{len(data)} bytes are too short for {count} levels")
     return np.frombuffer(data[COUNT.itemsize : end], COUNT).astype(np.uint16, copy=False), data[end:]
 
@@ -72,6 +73,6 @@ def _decompress(data: bytes, size: int) -> bytes:
         claimed = zstandard.frame_content_size(data)
         if claimed != size:
             raise ValueError(f"holds {claimed} bytes, expected {size}")
-        return zstandard.ZstdDecompressor().decompress(data)
+        return zstandard.ZstdDecompressor().decompress(data, allow_extra_data=False)
     except zstandard.ZstdError as error:
         raise ValueError(f"zstandard: {error}") from error

@@ -11,16 +11,27 @@ from common.geometry import Floats
 
 
 class Grid(NamedTuple):
-    """Evenly spaced beams from angle_min to angle_max [rad], counter-clockwise, so from right to left."""
+    """Evenly spaced beams from angle_min on, counter-clockwise, so from right to left."""
 
     beams: int
-    angle_min: float
-    angle_max: float
+    angle_min: float  # [rad]
+    increment: float  # [rad]
+
+    @classmethod
+    def between(cls, beams: int, angle_min: float, angle_max: float) -> Grid:
+        """The grid whose first and last beam have these azimuths [rad]; at least two beams."""
+        return cls(beams, angle_min, (angle_max - angle_min) / (beams - 1))
 
     @property
-    def increment(self) -> float:
-        """Angle [rad] between two beams."""
-        return (self.angle_max - self.angle_min) / (self.beams - 1)
+    def angle_max(self) -> float:
+        """Azimuth [rad] of the last beam."""
+        return self.angle_min + (self.beams - 1) * self.increment
+
+    def matches(self, other: Grid) -> bool:
+        """Whether both have the same beams, but for what rounding does to their angles."""
+        slack = 0.01 * self.increment
+        ends = (self.angle_min - other.angle_min, self.angle_max - other.angle_max)
+        return self.beams == other.beams and all(abs(end) <= slack for end in ends)
 
     def angles(self) -> Floats:
         """Azimuth [rad] of each beam: (beams,)."""

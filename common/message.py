@@ -9,17 +9,30 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, PlainValidator, ValidationError
 
+TOLD = 3  # faults that are told of one message
+LONGEST = 200  # characters of each
+
 
 class MessageError(ValueError):
     """A sample is malformed; the text names each field and what was expected of it."""
 
 
 def explain(error: ValidationError) -> str:
-    """All that is wrong, on one line: `field: what was expected`."""
-    return "; ".join(
-        f"{'.'.join(map(str, detail['loc'])) or 'message'}: {detail['msg']}"
-        for detail in error.errors(include_input=False)
-    )
+    """What is wrong, on one short line: `field: what was expected`."""
+    details = error.errors(include_input=False, include_url=False)
+    told = [
+        ": ".join(
+            filter(None, (_short(".".join(map(str, each["loc"]))), _short(each["msg"].removeprefix("Value error, "))))
+        )
+        for each in details[:TOLD]
+    ]
+    return "; ".join(told) + (f"; and {len(details) - TOLD} more" if len(details) > TOLD else "")
+
+
+def _short(text: str) -> str:
+    """The text without line ends and control characters, cut where it is long: it may be anybody's."""
+    printable = "".join(each if each.isprintable() else repr(each)[1:-1] for each in text[:LONGEST])
+    return printable + ("…" if len(text) > LONGEST else "")
 
 
 def _little_endian(dtype: str) -> PlainValidator:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Annotated, Literal, Self
 
 import numpy as np
@@ -18,6 +19,8 @@ Vector4 = Annotated[tuple[float, float, float, float], ListAsTuple]
 
 State = Literal["starting", "working", "waiting"]  # waiting: for a device
 
+MOST_PIXELS = 2**22  # a small compressed message must not unpack to any size it likes
+TURN = 2 * math.pi
 ANGLE_SLACK = 1.5  # increments: drivers of full-circle scanners disagree whether angle_max is a beam
 
 
@@ -43,6 +46,8 @@ class DepthImage(Message):
             self.width, self.height, Intrinsics(*self.intrinsics), self.range, FloorPlane(*self.floor)
         )
         check_camera(self._camera)
+        if self.width * self.height > MOST_PIXELS:
+            raise ValueError(f"width: {self.width}x{self.height} is too large, at most {MOST_PIXELS} pixels")
         self._depth = depth_codec.decode(self.data, self.encoding, self.width, self.height)
         return self
 
@@ -103,10 +108,12 @@ class LaserScan(Message):
         if not np.isfinite(self.intensities).all():
             raise ValueError("intensities: not finite")
         last = self.angle_min + (beams - 1) * self.angle_increment
+        if not last - self.angle_min <= TURN + self.angle_increment:
+            raise ValueError(f"angle_increment: {self.angle_increment} is more than a turn for {beams} beams")
         if abs(last - self.angle_max) > ANGLE_SLACK * self.angle_increment:
             raise ValueError(f"angle_max: {self.angle_max}, expected {last} for {beams} beams")
-        if self.range_min >= self.range_max:
-            raise ValueError(f"range_max: {self.range_max} is not above range_min {self.range_min}")
+        if self.range_min > self.range_max:
+            raise ValueError(f"range_max: {self.range_max} is below range_min {self.range_min}")
         return self
 
 

@@ -20,6 +20,7 @@ from common.grid import Grid
 Columns = NDArray[np.int32]
 
 MILLIMETRE = 0.001
+ABREAST = np.pi / 2 - 1e-6  # [rad] no ray that leads forward has an azimuth beyond
 
 
 class Points(NamedTuple):
@@ -69,7 +70,7 @@ def _view_of(camera: Camera, grid: Grid) -> _View:
 
 def _columns(forward: Affine, left: Affine, grid: Grid) -> tuple[Columns, Columns]:
     """The run of columns, first and one after the last, that each beam sees in each row: two of (rows, beams)."""
-    edges = _lines(forward, left, grid.edges())
+    edges = _lines(forward, left, np.clip(grid.edges(), -ABREAST, ABREAST))
     one, other = edges[:, :-1], edges[:, 1:]
     first, end = np.ceil(np.minimum(one, other)), np.ceil(np.maximum(one, other))
     covering = np.floor(_lines(forward, left, grid.angles()) + 0.5)

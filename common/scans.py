@@ -5,13 +5,12 @@ from __future__ import annotations
 import math
 from typing import Annotated, Self
 
-import numpy as np
 from pydantic import Field, model_validator
 
 from common.combine import Beams
 from common.config import ServiceConfig
 from common.depth_codec import RAW
-from common.geometry import reach
+from common.geometry import Camera, reach
 from common.grid import Grid
 from common.messages import DepthImage, LaserScan
 from common.points import Points, points_of
@@ -50,7 +49,11 @@ class ScanConfig(ServiceConfig):
     def grid(self) -> Grid:
         """The beams."""
         half = math.radians(self.field_of_view) / 2
-        return Grid(self.beams, -half, half)
+        return Grid.between(self.beams, -half, half)
+
+    def reach(self, camera: Camera) -> float:
+        """How far [m] a scan tells: range_max, but no farther than the sensor."""
+        return max(self.range_min, min(self.range_max, reach(camera)))
 
 
 def points(image: DepthImage, config: ScanConfig) -> Points:
@@ -59,10 +62,8 @@ def points(image: DepthImage, config: ScanConfig) -> Points:
 
 
 def laser_scan(image: DepthImage, beams: Beams, config: ScanConfig) -> LaserScan:
-    """The message that tells `beams` of `image`. Its range_max is no farther than the sensor reaches."""
+    """The message that tells `beams` of `image`, none of them beyond config.reach of its camera."""
     grid = config.grid()
-    range_max = min(config.range_max, reach(image.camera))
-    ranges = np.where(beams.ranges > range_max, np.float32(np.inf), beams.ranges)
     return LaserScan(
         seq=image.seq,
         stamp=image.stamp,
@@ -73,7 +74,7 @@ def laser_scan(image: DepthImage, beams: Beams, config: ScanConfig) -> LaserScan
         time_increment=0.0,
         scan_time=config.scan_time,
         range_min=config.range_min,
-        range_max=range_max,
-        ranges=ranges,
-        intensities=np.where(np.isfinite(ranges), beams.evidence, np.float32(0.0)),
+        range_max=config.reach(image.camera),
+        ranges=beams.ranges,
+        intensities=beams.evidence,
     )

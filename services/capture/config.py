@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import math
-from typing import Annotated, Literal
+from typing import Annotated, Literal, Self
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from common.config import ServiceConfig
-from common.geometry import FloorPlane
+from common.geometry import Camera, FloorPlane, Intrinsics, check_camera
+from common.message import ListAsTuple
 
-Pixels = Annotated[float, Field(gt=0)]
+KINECT = (640, 480)  # pixels
 
 
 class CaptureConfig(ServiceConfig):
@@ -37,9 +38,23 @@ class CaptureConfig(ServiceConfig):
     # kinect
     device: Annotated[int, Field(ge=0)] = 0  # which of several
     depth_mode: Literal["mm", "11bit"] = "mm"  # calibrated in the device, or its raw disparities
-    intrinsics: tuple[Pixels, Pixels, Pixels, Pixels] = (575.8, 575.8, 314.5, 235.5)  # fx, fy, cx, cy [px]
-    range: tuple[Pixels, Pixels] = (0.5, 4.5)  # [m] along the optical axis that is trusted
+    intrinsics: Annotated[tuple[float, float, float, float], ListAsTuple] = (
+        575.8,
+        575.8,
+        314.5,
+        235.5,
+    )  # fx, fy, cx, cy [px]
+    range: Annotated[tuple[float, float], ListAsTuple] = (0.5, 4.5)  # [m] along the optical axis that is trusted
+
+    @model_validator(mode="after")
+    def _possible(self) -> Self:
+        check_camera(self.kinect())
+        return self
 
     def floor(self) -> FloorPlane:
         """The floor as the mount has it."""
         return FloorPlane.from_mount(self.height, math.radians(self.pitch), math.radians(self.roll))
+
+    def kinect(self) -> Camera:
+        """The Kinect as it is mounted."""
+        return Camera(*KINECT, Intrinsics(*self.intrinsics), self.range, self.floor())

@@ -5,7 +5,6 @@ from __future__ import annotations
 from pathlib import Path
 
 from common.config import ConfigError
-from common.geometry import Camera, Intrinsics
 from services.capture.config import CaptureConfig
 from services.capture.source import Source
 
@@ -39,8 +38,7 @@ def _simulator(config: CaptureConfig) -> Source:
 def _kinect(config: CaptureConfig) -> Source:
     from services.capture.kinect import Kinect
 
-    camera = Camera(640, 480, Intrinsics(*config.intrinsics), config.range, config.floor())
-    return Kinect(camera, config.depth_mode, config.device)
+    return Kinect(config.kinect(), config.depth_mode, config.device)
 
 
 OPENERS = {"replay": _replay, "simulator": _simulator, "kinect": _kinect}

@@ -112,9 +112,11 @@ def read_depth(path: Path, width: int, height: int) -> NDArray[np.uint16]:
     """A 16-bit greyscale PNG as (height, width) [mm]. Raises BadFrame where it is anything else."""
     try:
         with Image.open(path, formats=["PNG"]) as image:
+            image.verify()  # reading alone passes over wrong check sums
+        with Image.open(path, formats=["PNG"]) as image:
             if image.mode not in GREY_16 or image.size != (width, height):
                 size = f"{image.width}x{image.height}"
                 raise BadFrame(f"{path.name}: {size} {image.mode}, expected {width}x{height} 16-bit grey")
             return np.asarray(image, dtype=np.uint16)
-    except (OSError, SyntaxError, ValueError) as error:
+    except (OSError, SyntaxError, ValueError, Image.DecompressionBombError) as error:
         raise BadFrame(f"{path.name}: {error}") from error

@@ -7,6 +7,8 @@ from typing import Annotated
 from pydantic import Field, field_validator
 
 from common.config import ServiceConfig
+from common.messages import LaserScan
+from common.topics import SCAN_FUSED, message_at
 
 
 class ExtraInput(ServiceConfig):
@@ -17,6 +19,13 @@ class ExtraInput(ServiceConfig):
     y: float = 0.0  # [m] and left of the point below the camera
     yaw: float = 0.0  # [deg] where it looks, counter-clockwise from the camera's heading
     max_age: Annotated[float, Field(gt=0)] = 0.2  # [s] that its stamp may differ from the frame's
+
+    @field_validator("key")
+    @classmethod
+    def _somebody_elses(cls, key: str) -> str:
+        if key == SCAN_FUSED.path or message_at(key) not in (None, LaserScan):
+            raise ValueError(f"{key} is no scan of somebody else")
+        return key
 
 
 class FuseConfig(ServiceConfig):

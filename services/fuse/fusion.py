@@ -28,25 +28,24 @@ def fuse(pair: Pair, extras: Mapping[str, tuple[ExtraInput, LaserScan]]) -> Lase
     """
     positive, negative = pair
     grid = _grid(positive)
-    if _grid(negative) != grid:
+    if not grid.matches(_grid(negative)):
         raise GridMismatch(f"positive has {grid}, negative has {_grid(negative)}")
     range_max = min(positive.range_max, negative.range_max)
     inputs = [_beams(positive, Evidence.POSITIVE), _beams(negative, Evidence.DROP)]
     inputs += [Beams.of(_resampled(source, scan, grid), Evidence.EXTRA) for source, scan in extras.values()]
-    ranges, evidence = combine(inputs)
-    beyond = ranges > range_max
+    ranges, evidence = combine([each.within(range_max) for each in inputs])
     return positive.model_copy(
         update={
             "range_min": min(positive.range_min, negative.range_min),
             "range_max": range_max,
-            "ranges": np.where(beyond, np.float32(np.inf), ranges),
-            "intensities": np.where(beyond, np.float32(0.0), evidence),
+            "ranges": ranges,
+            "intensities": evidence,
         }
     )
 
 
 def _grid(scan: LaserScan) -> Grid:
-    return Grid(len(scan.ranges), scan.angle_min, scan.angle_max)
+    return Grid(len(scan.ranges), scan.angle_min, scan.angle_increment)
 
 
 def _beams(scan: LaserScan, otherwise: Evidence) -> Beams:
@@ -59,5 +58,6 @@ def _beams(scan: LaserScan, otherwise: Evidence) -> Beams:
 def _resampled(source: ExtraInput, scan: LaserScan, grid: Grid) -> Ranges:
     valid = (scan.ranges >= scan.range_min) & (scan.ranges <= scan.range_max)
     ranges = np.where(valid, scan.ranges, np.float32(np.nan))
-    angles = scan.angle_min + scan.angle_increment * np.arange(len(ranges), dtype=np.float64)
-    return resample(ranges, angles, scan.angle_increment, (source.x, source.y, math.radians(source.yaw)), grid)
+    return resample(
+        ranges, _grid(scan).angles(), scan.angle_increment, (source.x, source.y, math.radians(source.yaw)), grid
+    )

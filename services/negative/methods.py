@@ -22,4 +22,7 @@ RUN: dict[Method, Callable[[Points, float, float], Beams]] = {
 def beams_by_method(image: DepthImage, config: NegativeConfig) -> dict[Method, Beams]:
     """What each configured method finds in `image`."""
     seen = points(image, config)
-    return {method: RUN[method](seen, config.floor_band, image.camera.floor.d) for method in config.methods}
+    reach = config.reach(image.camera)
+    return {
+        method: RUN[method](seen, config.floor_band, image.camera.floor.d).within(reach) for method in config.methods
+    }

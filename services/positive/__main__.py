@@ -15,7 +15,7 @@ from services.positive.projection import projection
 def obstacles(image: DepthImage, config: PositiveConfig) -> Beams:
     """The nearest obstacle in each beam."""
     ranges = projection(*points(image, config), config.floor_band, config.robot_height)
-    return Beams.of(ranges, Evidence.POSITIVE)
+    return Beams.of(ranges, Evidence.POSITIVE).within(config.reach(image.camera))
 
 
 def serve(service: Service[PositiveConfig]) -> None:

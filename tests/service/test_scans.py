@@ -11,7 +11,7 @@ from common.grid import Grid
 from tests import naive, scenes
 from tests.service.conftest import image, intensities, ranges
 
-GRID = Grid(64, -math.radians(29), math.radians(29))
+GRID = Grid.between(64, -math.radians(29), math.radians(29))
 BAND, ROBOT = 0.03, 0.42
 SCANS = {
     "scan/positive": "cliffscan.LaserScan.v1",

@@ -18,7 +18,7 @@ from tests import naive, scenes
 
 BAND, ROBOT = 0.03, 0.42
 OFF_CENTRE = 1e-4  # [rad] so that no pixel lies exactly between two beams, where rounding alone decides
-GRID = Grid(64, -math.radians(29), math.radians(29))
+GRID = Grid.between(64, -math.radians(29), math.radians(29))
 
 
 def assert_equal_naive(depth, camera, grid):
@@ -62,7 +62,7 @@ def test_any_camera_any_grid_any_noise(height, pitch, roll, beams, view, seed):
     noise = np.random.default_rng(seed)
     depth = np.where(noise.random(depth.shape) < 0.2, noise.integers(0, 9000, depth.shape), depth).astype(np.uint16)
     half = math.radians(view) / 2
-    grid = Grid(beams, -half + OFF_CENTRE, half + OFF_CENTRE)
+    grid = Grid.between(beams, -half + OFF_CENTRE, half + OFF_CENTRE)
     if not sideways:
         assert_equal_naive(depth, camera, grid)
         return
@@ -74,14 +74,14 @@ def test_any_camera_any_grid_any_noise(height, pitch, roll, beams, view, seed):
         FloorPlane(floor.ny, floor.nx, floor.nz, floor.d),
     )
     seen = points_of(depth, camera, grid)
-    mirror = Grid(beams, -grid.angle_max, -grid.angle_min)
+    mirror = Grid.between(beams, -grid.angle_max, -grid.angle_min)
     mirrored = naive.farthest_point(np.ascontiguousarray(depth.T), upright, mirror, BAND)[::-1]
     assert_allclose(farthest_point(*seen, BAND), mirrored, rtol=1e-6)
 
 
 def test_a_row_of_a_real_size_image_leaves_no_beam_empty():
     camera = scenes.camera(640, 480)
-    seen = points_of(scenes.depth(camera), camera, Grid(640, -math.radians(29), math.radians(29)))
+    seen = points_of(scenes.depth(camera), camera, Grid.between(640, -math.radians(29), math.radians(29)))
     columns = seen.end - seen.first
     assert columns[:, 1:-1].min() == 1
     assert (np.isfinite(farthest_point(*seen, BAND))).sum() == 640

@@ -1,0 +1,53 @@
+"""The configured source is opened with what is configured; what it needs and lacks is said with the remedy."""
+
+import math
+import sys
+
+import pytest
+
+from common.config import ConfigError
+from common.geometry import check_camera
+from services.capture.config import CaptureConfig
+from services.capture.open_source import OPENERS, open_source
+from tests.build import camera, depth_folder
+
+
+def test_every_source_that_can_be_configured_can_be_opened():
+    assert set(OPENERS) == {"simulator", "replay", "kinect"}
+
+
+def test_a_replay_is_opened_from_its_folder(tmp_path):
+    config = CaptureConfig(source="replay", path=str(depth_folder(tmp_path)), rate=1000, loop=False)
+    assert open_source(config).read(1.0).camera.width == 4
+
+
+@pytest.mark.parametrize("path", ["", "/none"])
+def test_a_folder_that_is_not_there_can_never_be_opened(path, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(ConfigError, match=r"camera\.json"):
+        open_source(CaptureConfig(source="replay", path=path))
+
+
+@pytest.mark.parametrize(
+    ("source", "missing", "remedy"),
+    [("replay", "PIL", r"pip install 'cliffscan\[capture\]'"), ("simulator", "mujoco", r"cliffscan\[simulator\]")],
+)
+def test_a_missing_library_is_named_with_the_extra_that_brings_it(source, missing, remedy, monkeypatch):
+    module = "services.capture." + {"replay": "replay", "simulator": "simulated"}[source]
+    for name in list(sys.modules):
+        if name == module or name.split(".")[0] in (missing, "simulator"):
+            monkeypatch.delitem(sys.modules, name)
+    monkeypatch.setitem(sys.modules, missing, None)
+    with pytest.raises(ConfigError, match=remedy) as refused:
+        open_source(CaptureConfig(source=source))
+    assert missing in str(refused.value)
+
+
+@pytest.mark.parametrize(("pitch", "roll"), [(0, 0), (86.9, 0), (-86.9, 180), (30, -180), (10, 90)])
+def test_any_mount_that_can_be_configured_is_a_possible_floor(pitch, roll):
+    config = CaptureConfig(height=0.5, pitch=pitch, roll=roll)
+    floor = config.floor()
+    assert floor.d == 0.5
+    assert floor.nz == pytest.approx(-math.sin(math.radians(pitch)))
+    assert math.hypot(*floor[:3]) == pytest.approx(1)
+    check_camera(camera(mount=(0.5, math.radians(pitch), math.radians(roll))))

@@ -1,0 +1,207 @@
+"""A depth folder is played in order of name, at its rate, with its own camera; or refused when it cannot be."""
+
+import json
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from common.config import ConfigError
+from services.capture import replay
+from services.capture.open_source import open_source
+from services.capture.replay import Replay
+from services.capture.source import BadFrame, SourceEnded
+from tests import build
+from tests.build import GONE, SECOND, depth_folder
+
+NOW = 1_700_000_000 * SECOND
+
+
+@pytest.fixture
+def clock(monkeypatch):
+    """Stands in for the module `time`: sleeping passes the time, and is written down."""
+    clock = SimpleNamespace(now=50.0, slept=[])
+
+    def sleep(seconds):
+        clock.slept.append(seconds)
+        clock.now += seconds
+
+    clock.sleep, clock.monotonic = sleep, lambda: clock.now
+    clock.time_ns = lambda: NOW + round((clock.now - 50.0) * SECOND)
+    monkeypatch.setattr(replay, "time", clock)
+    return clock
+
+
+@pytest.fixture
+def folder(tmp_path, clock):
+    return depth_folder(tmp_path)
+
+
+def frames_of(source, count):
+    """The next frames; a source is asked again where none is due yet."""
+    frames = []
+    while len(frames) < count:
+        frame = source.read(timeout=0.1)
+        if frame:
+            frames.append(frame)
+    return frames
+
+
+def millimetres(frames):
+    return [int(frame.depth[0, 0]) for frame in frames]
+
+
+def test_frames_are_played_in_order_of_name(folder):
+    build.write_png(folder / "0005.png", np.full((3, 4), 7, np.uint16))
+    assert millimetres(frames_of(Replay(folder, 30, loop=False), 4)) == [1000, 7, 1001, 1002]
+
+
+def test_a_frame_has_its_pixels_and_its_camera(folder):
+    pixels = np.arange(12, dtype=np.uint16).reshape(3, 4) * 5000
+    build.write_png(folder / "000.png", pixels)
+    (frame,) = frames_of(Replay(folder, 30, loop=False), 1)
+    np.testing.assert_array_equal(frame.depth, pixels)
+    assert frame.depth.dtype == np.uint16
+    assert (frame.camera.width, frame.camera.height, frame.camera.range) == (4, 3, (0.5, 4.5))
+    assert frame.camera.intrinsics == (4.0, 4.0, 1.5, 1.0)
+    assert frame.camera.floor == (0.0, -1.0, 0.0, 0.3)
+
+
+def test_once_is_once(folder):
+    source = Replay(folder, 30, loop=False)
+    frames_of(source, 3)
+    for _ in range(2):
+        with pytest.raises(SourceEnded):
+            source.read(0.1)
+    source.close()
+
+
+def test_a_loop_goes_on(folder):
+    assert millimetres(frames_of(Replay(folder, 30, loop=True), 7)) == [1000, 1001, 1002, 1000, 1001, 1002, 1000]
+
+
+def test_frames_come_at_their_rate_without_drift(folder, clock):
+    stamps = []
+    source = Replay(folder, 8.0, loop=True)
+    for _ in range(16):
+        stamps += [frame.stamp for frame in frames_of(source, 1)]
+        clock.now += 0.01  # the work on a frame
+    np.testing.assert_allclose(np.diff(stamps) / SECOND, 0.125)
+    assert stamps[0] == NOW
+    assert max(clock.slept) <= 0.1
+
+
+def test_no_wait_is_longer_than_the_timeout(folder, clock):
+    source = Replay(folder, 1.0, loop=True)
+    assert source.read(0.1)
+    assert [source.read(0.25) for _ in range(3)] == [None] * 3
+    assert source.read(0.25) is not None
+    assert clock.slept[1:] == [0.25] * 4
+
+
+def test_a_long_delay_is_not_made_up_for(folder, clock):
+    source = Replay(folder, 10.0, loop=True)
+    frames_of(source, 1)
+    clock.now += 5.0
+    _, second, third = frames_of(source, 3)
+    assert second.stamp - NOW < 5.2 * SECOND
+    assert third.stamp - second.stamp == pytest.approx(0.1 * SECOND, abs=2)
+
+
+def test_a_frames_own_values_override_the_folders(tmp_path, clock):
+    own = {"stamp": 5, "intrinsics": [5, 6, 1, 2], "floor": [0, -0.6, -0.8, 0.5]}
+    first, second = frames_of(Replay(depth_folder(tmp_path, 2, frames={"001": own}), 30, loop=False), 2)
+    assert (second.stamp, second.camera.intrinsics, second.camera.floor) == (5, (5, 6, 1, 2), (0, -0.6, -0.8, 0.5))
+    assert first.camera.floor == (0, -1, 0, 0.3)
+    assert first.stamp == NOW
+
+
+def test_stamps_go_on_from_round_to_round(tmp_path, clock):
+    frames = {f"{n:03}": {"stamp": 7000 + n * SECOND // 10} for n in range(3)}
+    source = Replay(depth_folder(tmp_path, 3, frames=frames), 10, loop=True)
+    stamps = [frame.stamp for frame in frames_of(source, 9)]
+    assert stamps[:3] == [7000, 7000 + SECOND // 10, 7000 + SECOND // 5]
+    np.testing.assert_array_equal(np.diff(stamps), SECOND // 10)
+
+
+@pytest.mark.parametrize(
+    ("change", "reason"),
+    [
+        ({"width": GONE}, "width: Field required"),
+        ({"range": GONE}, "range: Field required"),
+        ({"intrinsics": [1, 2, 3]}, "intrinsics"),
+        ({"width": "wide"}, "width"),
+        ({"floor": [0, -1, float("nan"), 0.3]}, "floor"),
+        ({"range": [0.5, float("inf")]}, "range"),
+        ({"frames": []}, "frames"),
+        ({"frames": {"000": {"stamp": -1}}}, "frames.000.stamp"),
+        ({"frames": {"000": {"stamp": 1.5}}}, "frames.000.stamp"),
+        ({"frames": {"000": {"floor": [1, 2]}}}, "frames.000.floor"),
+        ({"frames": {"000": 5}}, "frames.000"),
+    ],
+)
+def test_a_camera_file_with_a_wrong_value_is_refused_by_its_key(folder, change, reason):
+    depth_folder(folder, **change)
+    with pytest.raises(ConfigError, match=f"camera.json: .*{reason}") as refused:
+        Replay(folder, 30, loop=False)
+    assert "\n" not in str(refused.value)
+
+
+@pytest.mark.parametrize("text", ["", "{", "[]", "null", "5", '"camera"', "\x00", "{'width': 4}", "{}", "\udcff"])
+def test_a_camera_file_that_is_none_is_refused(folder, text):
+    (folder / "camera.json").write_bytes(text.encode(errors="surrogateescape"))
+    with pytest.raises(ConfigError, match=r"camera\.json: ") as refused:
+        Replay(folder, 30, loop=False)
+    assert "\n" not in str(refused.value)
+
+
+def test_a_folder_that_is_none_is_refused(tmp_path):
+    for path in (tmp_path, tmp_path / "none"):
+        with pytest.raises(ConfigError, match=r"camera\.json: No such file"):
+            Replay(path, 30, loop=False)
+
+
+def test_a_folder_without_frames_is_refused(tmp_path):
+    with pytest.raises(ConfigError, match="no PNG"):
+        Replay(depth_folder(tmp_path, count=0), 30, loop=False)
+
+
+def test_the_configuration_opens_a_folder(folder):
+    config = SimpleNamespace(source="replay", path=str(folder), rate=30.0, loop=False)
+    assert millimetres(frames_of(open_source(config), 3)) == [1000, 1001, 1002]
+
+
+IMPOSSIBLE = {
+    "floor": ({"floor": GONE}, "camera.json has no floor for it"),
+    "plane": ({"floor": [0, 0, 0, 0.3]}, "camera.json: floor: the normal has length"),
+    "intrinsics": ({"intrinsics": [0, 4, 1, 1]}, "camera.json: intrinsics: fx"),
+    "range": ({"range": [4.5, 0.5]}, "camera.json: range"),
+}
+
+
+@pytest.mark.parametrize("what", IMPOSSIBLE)
+def test_a_frame_of_an_impossible_camera_is_bad(folder, what):
+    change, reason = IMPOSSIBLE[what]
+    with pytest.raises(BadFrame, match=f"000: {reason}"):
+        Replay(depth_folder(folder, **change), 30, loop=False).read(0.1)
+
+
+def test_a_frame_of_an_impossible_camera_costs_itself_only(tmp_path, clock):
+    folder = depth_folder(tmp_path, frames={"001": {"floor": [0, 0, -1, 0.3]}, "ghost": {"stamp": 3}})
+    source = Replay(folder, 30, loop=False)
+    assert millimetres([source.read(0.1)]) == [1000]
+    with pytest.raises(BadFrame, match=r"001: camera\.json: floor"):
+        source.read(0.1)
+    assert millimetres([source.read(0.1)]) == [1002]
+
+
+def test_a_floor_may_come_with_the_frames_only(tmp_path, clock):
+    floors = {f"{n:03}": {"floor": [0, -1, 0, 0.1 + n]} for n in range(3)}
+    source = Replay(depth_folder(tmp_path, floor=GONE, frames=floors), 30, loop=False)
+    assert [frame.camera.floor.d for frame in frames_of(source, 3)] == [0.1, 1.1, 2.1]
+
+
+def test_keys_nobody_knows_are_ignored(folder):
+    about = json.loads((folder / "camera.json").read_text()) | {"source": "a robot", "frames": {"000": {"pose": [1]}}}
+    (folder / "camera.json").write_text(json.dumps(about))
+    assert millimetres(frames_of(Replay(folder, 30, loop=False), 1)) == [1000]

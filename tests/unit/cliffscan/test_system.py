@@ -1,0 +1,90 @@
+"""What is started for a whole system, word by word."""
+
+import argparse
+import sys
+from itertools import pairwise
+from pathlib import Path
+
+import pytest
+
+from cliffscan.cli import build_parser
+from cliffscan.system import Plan
+from common import options
+from common.config import SERVICES, ConfigError
+
+
+def option(command, name):
+    """The values of a repeatable option."""
+    return [value for word, value in pairwise(command) if word == name]
+
+
+def test_the_router_listens_and_joins():
+    plan = Plan("r2", ["tcp/0.0.0.0:7447", "tls/[::]:7448"], ["tcp/base:7447", "tcp/other:1"])
+    words = "router --robot r2 --listen tcp/0.0.0.0:7447 --listen tls/[::]:7448"
+    words += " --connect tcp/base:7447 --connect tcp/other:1"
+    assert plan.router() == [sys.executable, "-m", "cliffscan", *words.split()]
+
+
+def test_a_service_is_a_client_of_the_router_on_this_machine():
+    words = "--robot turtlebot --mode client --connect tcp/127.0.0.1:7447"
+    assert Plan().service("negative") == [sys.executable, "-m", "services.negative", *words.split()]
+
+
+@pytest.mark.parametrize(
+    ("listen", "endpoint"),
+    [
+        ("tcp/127.0.0.1:7447", "tcp/127.0.0.1:7447"),
+        ("tcp/0.0.0.0:7447", "tcp/127.0.0.1:7447"),
+        ("tcp/[::]:9", "tcp/127.0.0.1:9"),
+        ("tls/0.0.0.0:7447#so_sndbuf=65536", "tls/127.0.0.1:7447#so_sndbuf=65536"),
+        ("tcp/10.0.0.0:7447", "tcp/10.0.0.0:7447"),
+        ("tcp/robot:7447", "tcp/robot:7447"),
+    ],
+)
+def test_a_service_reaches_a_router_that_listens_anywhere(listen, endpoint):
+    assert Plan(listen=[listen, "tcp/other:1"]).endpoint == endpoint
+    assert option(Plan(listen=[listen]).service("fuse"), "--connect") == [endpoint]
+
+
+def test_a_service_gets_the_configuration_and_its_own_overrides():
+    overrides = ["capture.rate=5", "fuse.timeout=1", "capture.path=/a b", "negative.beams=2"]
+    plan = Plan(config=Path("/etc/robot.toml"), overrides=overrides)
+    plan.check()
+    command = plan.service("capture")
+    assert option(command, "--config") == ["/etc/robot.toml"]
+    assert option(command, "--set") == ["capture.rate=5", "capture.path=/a b"]
+    assert option(plan.service("positive"), "--set") == []
+
+
+@pytest.mark.parametrize("name", SERVICES)
+def test_a_service_understands_its_command_line(name):
+    parser = argparse.ArgumentParser(exit_on_error=False)
+    options.add_network(parser)
+    options.add_config(parser)
+    plan = Plan("fleet/r", ["tcp/0.0.0.0:1"], config=Path("x.toml"), overrides=[f"{name}.a=1", f"{name}.b=-1"])
+    told = parser.parse_args(plan.service(name)[3:])
+    assert (told.robot, told.mode, told.config) == ("fleet/r", "client", Path("x.toml"))
+    assert told.connect == ["tcp/127.0.0.1:1"]
+    assert told.set == [f"{name}.a=1", f"{name}.b=-1"]
+
+
+def test_the_router_understands_its_command_line():
+    told = build_parser().parse_args(Plan("r", ["tcp/a:1"], ["tcp/b:2"]).router()[3:])
+    assert (told.robot, told.listen, told.connect) == ("r", ["tcp/a:1"], ["tcp/b:2"])
+
+
+@pytest.mark.parametrize("override", ["rate=5", "camera.rate=5", "", "=", "capture=5", " capture.rate=5"])
+def test_an_override_of_no_service_is_refused(override):
+    with pytest.raises(ConfigError, match=r"expected SERVICE\.KEY=VALUE, SERVICE one of capture, negative"):
+        Plan(overrides=[override]).check()
+
+
+@pytest.mark.parametrize("override", [*SERVICES, "capture.rate", "fuse.", "negative.=3"])
+def test_an_override_is_refused_at_once_or_by_its_service(override):
+    """It must not be passed over in silence."""
+    plan = Plan(overrides=[override])
+    try:
+        plan.check()
+    except ConfigError:
+        return
+    assert option(plan.service(override.split(".")[0]), "--set") == [override]

@@ -1,0 +1,44 @@
+"""The table of keys is the contract's."""
+
+import pytest
+
+from common import options, topics
+from common.messages import DepthImage, LaserScan, ServiceStatus
+from common.topics import Qos
+
+
+@pytest.mark.parametrize(
+    ("topic", "key", "message", "qos"),
+    [
+        (topics.DEPTH, "r/camera/depth", DepthImage, Qos.BULK),
+        (topics.SCAN_POSITIVE, "r/scan/positive", LaserScan, Qos.REAL_TIME),
+        (topics.SCAN_NEGATIVE, "r/scan/negative", LaserScan, Qos.REAL_TIME),
+        (topics.SCAN_FUSED, "r/scan/fused", LaserScan, Qos.REAL_TIME),
+        (topics.scan_negative("virtual_floor"), "r/scan/negative/virtual_floor", LaserScan, Qos.REAL_TIME),
+        (topics.scan("scan/lidar"), "r/scan/lidar", LaserScan, Qos.REAL_TIME),
+        (topics.status("fuse"), "r/status/fuse", ServiceStatus, Qos.STATUS),
+    ],
+)
+def test_a_topic_has_its_key_message_and_quality(topic, key, message, qos):
+    assert (topic.key("r"), topic.message, topic.qos) == (key, message, qos)
+    assert topics.message_at(topic.path) is message
+
+
+def test_a_token_has_its_key():
+    assert topics.alive("negative") == "alive/negative"
+
+
+@pytest.mark.parametrize("path", ["base/odom", "scanner", "alive/fuse", "statuses", "camera", "camera/depths", ""])
+def test_a_key_that_is_nowhere_in_the_table_has_no_message(path):
+    assert topics.message_at(path) is None
+
+
+@pytest.mark.parametrize("name", ["turtlebot", "fleet/robot-7", "a.b_c", "7"])
+def test_a_robot_may_be_called(name):
+    assert options.robot_name(name) == name
+
+
+@pytest.mark.parametrize("name", ["", "/r", "r/", "a//b", "a b", "*", "a/**", "a$*", "a?", "a#b", "r\n", "rö"])
+def test_a_robot_may_not_be_called(name):
+    with pytest.raises(Exception, match="no robot name"):
+        options.robot_name(name)
