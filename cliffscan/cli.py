@@ -10,13 +10,12 @@ from collections.abc import Callable
 from cliffscan.echo import echo
 from cliffscan.status import status
 from cliffscan.supervisor import ConfigRefused
-from cliffscan.system import Plan, System
+from cliffscan.system import TURN, Plan, System
 from common import options
 from common.bus import Bus, BusError, Network
 from common.config import ConfigError
 from common.service import USAGE_ERROR, StopSignal, connect, package_version
 
-TURN = 0.1  # [s] between two looks at the processes
 PATIENCE = 1.0  # [s] in which a new session has heard of every service that works
 
 log = logging.getLogger("cliffscan")

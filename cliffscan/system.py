@@ -13,12 +13,13 @@ from types import TracebackType
 from typing import Self
 
 from cliffscan.supervisor import Supervisor
-from common.bus import Bus, Network
+from common.bus import Bus, Network, NotConnected
 from common.config import SERVICES, ConfigError
-from common.service import StopSignal, connect
+from common.service import StopSignal
 
 ANYWHERE = re.compile(r"/(0\.0\.0\.0|\[::\]):")
 LAST = "capture"  # started when all others are ready, so that its first frame is not lost
+TURN = 0.1  # [s] between two looks at the processes
 OTHERS = [name for name in SERVICES if name != LAST]
 
 log = logging.getLogger("cliffscan")
@@ -81,10 +82,7 @@ class System:
         with ExitStack() as entered:
             entered.enter_context(self.supervisor)
             self.supervisor.start("router", self._plan.router())
-            bus = connect(Network("client", [self._plan.endpoint]), self._plan.robot, self._stop)
-            if bus is None:
-                raise SystemExit(0)
-            self.bus = entered.enter_context(bus)
+            self.bus = entered.enter_context(self._connect())
             self.bus.watch_alive(self._changed)
             for name in OTHERS:
                 self.supervisor.start(name, self._plan.service(name))
@@ -101,6 +99,16 @@ class System:
         if LAST not in self.supervisor.children and self.alive.issuperset(OTHERS):
             self.supervisor.start(LAST, self._plan.service(LAST))
         self.supervisor.poll()
+
+    def _connect(self) -> Bus:
+        """The bus, when the router answers. Raises ConfigRefused where the router cannot listen."""
+        while not self._stop.is_set():
+            try:
+                return Bus(Network("client", [self._plan.endpoint]), self._plan.robot)
+            except NotConnected:
+                self.supervisor.poll()
+                self._stop.wait(TURN)
+        raise SystemExit(0)
 
     def _changed(self, service: str, alive: bool) -> None:
         if alive:

@@ -43,9 +43,10 @@ class Tally:
             log.warning("%s (%d so far): %s", what, count, why)
 
     def output(self, stamp: int) -> None:
-        """Count one main output of a capture at `stamp` [ns]."""
+        """Count one main output of a capture at `stamp` [ns] as `published`."""
         latency = (time.time_ns() - stamp) * 1e-9
         with self._lock:
+            self._counts["published"] += 1
             self._outputs += 1
             self._latencies.append(latency)
 

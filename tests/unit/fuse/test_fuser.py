@@ -68,7 +68,7 @@ def test_a_complete_frame_is_published_at_once(plain):
     assert fused.stamp == 7
     assert_array_equal(fused.ranges, np.float32([2, 1]))
     assert plain.service.tally.take_outputs() == 1
-    assert plain.counts == {}
+    assert plain.counts == {"published": 1}
 
 
 def test_half_a_frame_is_never_published_but_counted(plain, clock, caplog):
@@ -96,7 +96,7 @@ def test_scans_of_different_beams_are_counted_told_and_left_out(plain, caplog):
     plain.take("positive", 8)
     plain.take("negative", 8)
     assert [fused.stamp for fused in plain.said] == [8]
-    assert plain.counts == {"mismatch": 1}
+    assert plain.counts == {"mismatch": 1, "published": 1}
     assert "positive has" in caplog.text
 
 
@@ -114,7 +114,7 @@ def test_an_extra_input_counts_as_long_as_it_is_fresh(rig, age, fresh):
     for side in ("positive", "negative"):
         rig.take(side, 10 * SECOND)
     assert bool(rig.said) == fresh
-    assert rig.counts == ({} if fresh else {"incomplete": 1})
+    assert rig.counts == ({"published": 1} if fresh else {"incomplete": 1})
 
 
 def test_without_its_extra_input_no_frame_is_published(rig, caplog):
@@ -146,7 +146,7 @@ def test_the_service_listens_to_both_sides_and_its_extra_inputs(monkeypatch):
     service = play(WITH_LIDAR, arriving, monkeypatch)
     assert_array_equal(service.bus.said["scan/fused"][0].ranges, np.float32([3, 2]))
     assert service.bus.announced == ["fuse"]
-    assert service.tally.counts() == {"received": 3}
+    assert service.tally.counts() == {"received": 3, "published": 1}
 
 
 def test_what_is_malformed_is_counted_and_the_next_frame_fused(monkeypatch):
@@ -154,7 +154,7 @@ def test_what_is_malformed_is_counted_and_the_next_frame_fused(monkeypatch):
     good = [(path, 9, [1, 2]) for path in ("scan/positive", "scan/negative")]
     service = play(FuseConfig(), [("scan/positive", bad), ("scan/negative", b""), *samples(*good)], monkeypatch)
     assert [fused.stamp for fused in service.bus.said["scan/fused"]] == [9]
-    assert service.tally.counts() == {"malformed": 2, "received": 2}
+    assert service.tally.counts() == {"malformed": 2, "received": 2, "published": 1}
 
 
 def test_scans_of_one_beam_do_not_end_the_service(monkeypatch):

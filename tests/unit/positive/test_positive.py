@@ -92,14 +92,14 @@ def test_every_frame_is_answered_with_a_scan_of_its_stamp(monkeypatch):
     np.testing.assert_array_equal(said[0].ranges, said[1].ranges)
     assert said[2].ranges[15] == pytest.approx(1.0, rel=0.01)
     assert set(said[2].intensities[np.isfinite(said[2].ranges)]) == {1}
-    assert counts == {"received": 3}
+    assert counts == {"received": 3, "published": 3}
 
 
 def test_a_bad_frame_costs_itself_only(monkeypatch):
     small = image(2, camera=scenes.camera(32, 24))
     said, counts = play(CONFIG, [image(1), b"\x00", small, image(1), image(3)], monkeypatch)
     assert [scan.stamp for scan in said] == [1, 2, 3]
-    assert counts == {"received": 3, "malformed": 1, "stamp_back": 1}
+    assert counts == {"received": 3, "published": 3, "malformed": 1, "stamp_back": 1}
 
 
 def test_a_frame_of_a_sensor_that_reaches_less_far_than_range_min_costs_itself_only(monkeypatch):

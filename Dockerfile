@@ -1,0 +1,34 @@
+# One image per service: docker build --build-arg SERVICE=negative --tag cliffscan-negative .
+# SERVICE is router, capture, negative, positive or fuse; BASE any Debian with Python >= 3.11 and venv.
+ARG BASE=python:3.11-slim
+FROM $BASE
+
+RUN useradd --create-home --uid 1000 cliffscan \
+    && python -m venv /opt/cliffscan
+ENV PATH=/opt/cliffscan/bin:$PATH PYTHONUNBUFFERED=1 PIP_NO_CACHE_DIR=1 PIP_DISABLE_PIP_VERSION_CHECK=1
+WORKDIR /src
+
+# Dependencies come from pyproject.toml alone, so that a change of the sources installs none of them again.
+ARG PIP_INDEX_URL
+ARG PIP_EXTRA_INDEX_URL
+COPY pyproject.toml ./
+RUN touch README.md LICENSE && pip install .
+
+ARG SERVICE
+RUN case "$SERVICE" in \
+        router) ;; \
+        capture) apt-get update \
+            && apt-get install --yes --no-install-recommends libfreenect0.5 \
+            && rm -rf /var/lib/apt/lists/* \
+            && pip install ".[capture,simulator]" ;; \
+        negative|positive|fuse) pip install ".[$SERVICE]" ;; \
+        *) echo "SERVICE is '$SERVICE', expected router, capture, negative, positive or fuse" >&2; exit 1 ;; \
+    esac
+
+COPY . .
+RUN pip install --no-deps --force-reinstall .
+
+USER cliffscan
+WORKDIR /home/cliffscan
+ENV SERVICE=$SERVICE
+ENTRYPOINT ["sh", "-c", "case $SERVICE in router) exec cliffscan router \"$@\" ;; *) exec python -m services.$SERVICE \"$@\" ;; esac", "--"]

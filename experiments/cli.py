@@ -1,0 +1,71 @@
+"""The command line of the experiments."""
+
+from __future__ import annotations
+
+import argparse
+import logging
+from pathlib import Path
+
+from rich.console import Console
+
+from cliffscan.supervisor import ConfigRefused
+from common.bus import BusError
+from common.config import ConfigError
+from common.service import USAGE_ERROR, StopSignal
+from experiments.collect import Failed
+from experiments.run import Run, run_folder, run_worlds
+
+WORLDS = ("paper_room", "paper_room_open")  # figures 11 to 13, 17, 18, 21; 14 to 16, 19, 20, 22
+INTERRUPTED = 130
+DESCRIPTION = "The paper's simulated experiments through the real services, or the same pictures of a recording."
+
+
+def build_parser() -> argparse.ArgumentParser:
+    """All options."""
+    parser = argparse.ArgumentParser(prog="demo", description=DESCRIPTION)
+    what = parser.add_mutually_exclusive_group()
+    what.add_argument("--data", type=Path, metavar="DIR", help="play this depth folder instead of the simulator")
+    what.add_argument("--world", action="append", metavar="NAME", help="a simulated world (default: the paper's two)")
+    parser.add_argument("--frames", type=positive, default=30, metavar="N", help="frames of each world (default 30)")
+    parser.add_argument("--out", type=Path, default=Path("out"), metavar="DIR", help="where to write (default out)")
+    parser.add_argument(
+        "--set", action="append", default=[], metavar="SERVICE.KEY=VALUE", help="override a service's configuration"
+    )
+    return parser
+
+
+def positive(text: str) -> int:
+    """A number of at least one."""
+    number = int(text) if text.isdecimal() else 0
+    if not number:
+        raise argparse.ArgumentTypeError(f"expected a whole number above 0, got {text!r}")
+    return number
+
+
+def main() -> None:
+    """Run the experiments; leaves with the exit code."""
+    parser = build_parser()
+    arguments = parser.parse_args()
+    logging.basicConfig(level=logging.INFO, format="%(asctime)s %(levelname)s demo: %(message)s")
+    stop = StopSignal()
+    run = Run(Console(), stop, arguments.out, arguments.set)
+    try:
+        arguments.out.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        parser.error(f"--out: {error}")
+    try:
+        if arguments.data:
+            run_folder(run, arguments.data)
+        else:
+            run_worlds(run, arguments.world or WORLDS, arguments.frames)
+    except ConfigRefused:
+        parser.exit(USAGE_ERROR)  # the service has said why
+    except (ConfigError, BusError) as error:
+        parser.exit(USAGE_ERROR, f"demo: {error}\n")
+    except Failed as error:
+        parser.exit(1, f"demo: {error}; everything has been ended; the services' own words: {run.log_file}\n")
+    except SystemExit:
+        if not stop.is_set():
+            raise
+    if stop.is_set():
+        parser.exit(INTERRUPTED, "demo: interrupted; everything has been ended\n")

@@ -1,0 +1,117 @@
+"""Frames and their scans from the real services, started for this and ended again."""
+
+from __future__ import annotations
+
+import os
+import socket
+import time
+from collections.abc import Callable, Sequence
+
+from rich.progress import Progress
+
+from cliffscan.system import Plan, System
+from common.config import SERVICES
+from common.inbox import Inbox
+from common.messages import DepthImage, LaserScan
+from common.service import StopSignal
+from common.topics import DEPTH
+from experiments.frames import Gathering
+from experiments.goals import Goal
+from experiments.service_log import ServiceLog
+
+ROOM = 512  # samples that may wait to be read: some seconds of all keys
+TURN = 0.1  # [s] the longest wait, so how often the processes are looked after
+STARTING = 120.0  # [s] for the next service to be ready: on a slow machine kernels take long to compile
+
+
+class Failed(Exception):
+    """The frames cannot be had; the text is one line that says why."""
+
+
+class Silent(Failed):
+    """The services work, but nothing that is wanted comes."""
+
+
+def collect(
+    goal: Goal,
+    paths: Sequence[str],
+    overrides: Sequence[str],
+    stop: StopSignal,
+    log: ServiceLog,
+    progress: Progress,
+    title: str,
+) -> None:
+    """Run the system, with the scans on `paths`, until the goal is reached or `stop` is set; then end it all.
+
+    Raises Failed where a service dies, Silent where what is wanted does not come, ConfigRefused.
+    """
+    task = progress.add_task(title, total=goal.total)
+    inbox: Inbox[tuple[str, bytes]] = Inbox(ROOM)
+    plan = Plan(f"demo-{os.getpid()}", [f"tcp/127.0.0.1:{free_port()}"], overrides=overrides)
+    gathering = Gathering(paths)
+    with System(plan, stop) as system:
+        stop.patient = True
+        for path in (DEPTH.path, *paths):
+            system.bus.subscribe(path, lambda key, payload: inbox.put((key, payload)))
+        watch = Watch(system)
+        while goal.done < goal.total and not stop.is_set():
+            watch.look(goal)
+            _tell(progress, log)
+            progress.update(task, completed=goal.done, description=f"{title}: {watch.state}")
+            arrived = inbox.get(TURN)
+            frame = gathering.take(*_decoded(*arrived)) if arrived else None
+            if frame:
+                goal.take(frame)
+        progress.update(task, completed=goal.done, description=f"{title}: ending the services")
+    stop.patient = False
+    if not stop.is_set():  # or else the last words are of processes that were interrupted
+        _tell(progress, log)
+    progress.update(task, description=title)
+
+
+class Watch:
+    """Looks whether the processes live and get on."""
+
+    def __init__(self, system: System, clock: Callable[[], float] = time.monotonic) -> None:
+        self._system = system
+        self._clock = clock
+        self._pids: dict[str, int] = {}
+        self._progress = (0, 0)  # services that are ready, frames that are there
+        self._since = clock()
+
+    @property
+    def state(self) -> str:
+        """What is waited for."""
+        starting = [name for name in SERVICES if name not in self._system.alive]
+        return f"starting {', '.join(starting)}" if starting else "collecting frames"
+
+    def look(self, goal: Goal) -> None:
+        """Look after the processes. Raises Failed, Silent, ConfigRefused."""
+        self._system.poll()
+        for name, child in self._system.supervisor.children.items():
+            if self._pids.setdefault(name, child.pid) != child.pid:
+                raise Failed(f"{name} died")
+        progress = len(self._system.alive), goal.done
+        now = self._clock()
+        if progress != self._progress:
+            self._progress, self._since = progress, now
+        patience = goal.patience if self._system.alive.issuperset(SERVICES) else STARTING
+        if now - self._since > patience:
+            raise Silent(f"nothing new for {patience:.0f} s while {self.state}: {goal.done} of {goal.total} frames")
+
+
+def free_port() -> int:
+    """A TCP port of this machine that nobody listens on."""
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        port: int = probe.getsockname()[1]
+        return port
+
+
+def _decoded(path: str, payload: bytes) -> tuple[str, DepthImage | LaserScan]:
+    return path, (DepthImage if path == DEPTH.path else LaserScan).decode(payload)
+
+
+def _tell(progress: Progress, log: ServiceLog) -> None:
+    for line in log.complaints():
+        progress.console.print(f"  {line}", markup=False, highlight=False, soft_wrap=True)

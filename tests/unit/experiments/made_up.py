@@ -1,0 +1,45 @@
+"""A frame with all its scans, of a small made-up scene, as the services would answer it."""
+
+import numpy as np
+
+from common.combine import Beams, combine
+from common.depth_codec import RAW
+from common.evidence import Evidence
+from common.messages import DepthImage
+from common.scans import ScanConfig, laser_scan, points
+from experiments.frames import Frame, scan_paths
+from services.negative.farthest_point import farthest_point
+from services.negative.virtual_floor import virtual_floor
+from services.positive.projection import projection
+from tests import scenes
+
+METHODS = ("farthest_point", "virtual_floor")
+PATHS = scan_paths(METHODS)
+BAND, ROBOT = 0.03, 0.42
+
+
+def image(name="hole and box", seq=0, stamp=1):
+    camera = scenes.camera()
+    return DepthImage.pack(seq, stamp, "optical", scenes.depth(camera, **scenes.SCENES[name]), camera, RAW)
+
+
+def frame(name="hole and box", seq=0, stamp=1):
+    depth = image(name, seq, stamp)
+    config = ScanConfig(beams=80)
+    seen = points(depth, config)
+    negative = [
+        Beams.of(farthest_point.py_func(*seen, BAND), Evidence.FARTHEST_FLOOR),
+        Beams.of(virtual_floor.py_func(*seen, BAND, 0.3), Evidence.DROP),
+    ]
+    positive = Beams.of(projection.py_func(*seen, BAND, ROBOT), Evidence.POSITIVE)
+    beams = [*negative, combine(negative), positive, combine([positive, combine(negative)])]
+    return Frame(depth, {path: laser_scan(depth, each, config) for path, each in zip(PATHS, beams, strict=True)})
+
+
+def blank_frame():
+    """A frame in which nothing was seen at all."""
+    depth = image()
+    dark = DepthImage.pack(0, 1, "optical", np.zeros_like(depth.depth), depth.camera, RAW)
+    config = ScanConfig(beams=80)
+    unseen = Beams.of(np.full(80, np.nan, np.float32), Evidence.NOTHING)
+    return Frame(dark, {path: laser_scan(dark, unseen, config) for path in PATHS})
