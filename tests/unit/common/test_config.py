@@ -82,6 +82,7 @@ def test_a_nested_table_may_be_in_the_file_or_overridden(file):
         ('negative.methods=["virtual_floor"]', "methods", ("virtual_floor",)),
         ("negative.beams=1_000", "beams", 1000),
         ("capture.path=", "path", ""),
+        ('capture.path="/a b"', "path", "/a b"),
     ],
 )
 def test_an_override_is_a_toml_value_or_a_word(override, key, value):
@@ -90,7 +91,7 @@ def test_an_override_is_a_toml_value_or_a_word(override, key, value):
     assert type(found) is type(value)
 
 
-PATHS = ["/data/a b", "../x=y=z", "/ü/日本", "a#b", "it's", 'say "x"', "C:\\data", "[1", "{", "a\tb", "-1-", "a\nb = 3"]
+PATHS = ["/data/a b", "../x=y=z", "/ü/日本", "a#b", "it's", 'say "x"', "C:\\data", "[1", "{", "a\tb", "-1-", "a\nb = 3", "'a'\nb = 3"]
 
 
 @pytest.mark.parametrize("path", PATHS)

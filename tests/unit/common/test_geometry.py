@@ -72,6 +72,11 @@ def test_points_of_a_level_camera():
     assert point(view, 24, 32 - 29, 2.0) == pytest.approx((2.0, 1.0, 0.3))
 
 
+def test_columns_go_by_fx_and_rows_by_fy():
+    view = replace(camera(), intrinsics=Intrinsics(50.0, 100.0, 30.0, 20.0))
+    assert point(view, 20 + 10, 30 + 10, 2.0) == pytest.approx((2.0, -2 * 10 / 50, 0.3 - 2 * 10 / 100))
+
+
 def test_a_camera_that_looks_down_meets_the_floor_where_its_axis_does():
     ahead, left, height = point(camera(mount=(0.5, math.radians(30), 0)), 24, 32, 1.0)
     assert (ahead, left, height) == pytest.approx((math.cos(math.radians(30)), 0, 0))

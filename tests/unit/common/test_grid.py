@@ -54,3 +54,11 @@ def test_the_edges_bound_the_beams(grid):
     assert edges.shape == (grid.beams + 1,)
     assert_allclose((edges[1:] + edges[:-1]) / 2, grid.angles(), atol=1e-12)
     assert_allclose(np.diff(edges), grid.increment, atol=1e-12)
+
+
+def test_grids_match_that_differ_by_rounding_only():
+    grid = Grid.between(640, -0.5, 0.5)
+    assert grid.matches(Grid(640, -0.5 + 1e-9, grid.increment * (1 + 1e-9)))
+    for other in (Grid(639, -0.5, grid.increment), Grid(640, -0.499, grid.increment), Grid(640, -0.5, 0.00157)):
+        assert not grid.matches(other)
+        assert not other.matches(grid)

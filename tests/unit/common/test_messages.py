@@ -182,6 +182,17 @@ def test_a_driver_may_count_the_last_beam_or_not(slack):
     assert decode(LaserScan, angle_max=0.5 + slack).angle_max == 0.5 + slack
 
 
+@pytest.mark.parametrize("beams", [359, 360, 361])
+def test_a_scan_may_go_all_round(beams):
+    assert len(build.scan([1.0] * beams, angle_min=-math.pi, increment=math.radians(1)).ranges) == beams
+
+
+@pytest.mark.parametrize("beams", [363, 720])
+def test_a_scan_does_not_go_round_twice(beams):
+    with pytest.raises(MessageError, match="more than a turn"):
+        build.scan([1.0] * beams, angle_min=-math.pi, increment=math.radians(1))
+
+
 def test_a_scan_may_come_without_intensities():
     assert len(decode(LaserScan, intensities=b"").intensities) == 0
 
