@@ -6,11 +6,13 @@ import argparse
 import logging
 import time
 from collections.abc import Callable
+from typing import get_args
 
+from cliffscan.drive import drive
 from cliffscan.echo import echo
 from cliffscan.status import status
 from cliffscan.supervisor import ConfigRefused
-from cliffscan.system import TURN, Plan, System
+from cliffscan.system import TURN, Base, Plan, System
 from common import options
 from common.bus import Bus, BusError, Network
 from common.config import ConfigError
@@ -24,7 +26,7 @@ log = logging.getLogger("cliffscan")
 def up(arguments: argparse.Namespace, stop: StopSignal) -> int:
     """Run everything until Ctrl-C."""
     listen = arguments.listen or list(Plan.listen)
-    plan = Plan(arguments.robot, listen, arguments.connect, arguments.config, arguments.set)
+    plan = Plan(arguments.robot, listen, arguments.connect, arguments.config, arguments.set, arguments.base)
     with System(plan, stop) as system:
         while not stop.wait(TURN):
             system.poll()
@@ -85,6 +87,9 @@ def build_parser() -> argparse.ArgumentParser:
 
     started = add("up", up, "Start a router and all services on this machine; Ctrl-C ends them.", options.add_endpoints)
     options.add_config(started)
+    started.add_argument(
+        "--base", choices=get_args(Base), default="emulated", help="the robot's base: emulated, on kobuki.port, or none"
+    )
     add("router", router, "Route between the processes of this machine, and to the routers that --connect names.")
     shown = add(
         "status",
@@ -94,6 +99,11 @@ def build_parser() -> argparse.ArgumentParser:
     shown.add_argument("--watch", action="store_true", help="keep the table up to date")
     told = add("alive", on_bus(lambda a, bus, stop: alive(a.service, bus, stop)), "Exit 0 if a service works.")
     told.add_argument("service")
+    driven = add(
+        "drive", on_bus(lambda a, bus, stop: drive(bus, stop, a.linear, a.angular)), "Drive with the keyboard."
+    )
+    driven.add_argument("--linear", type=float, default=0.2, metavar="M/S", help="speed to begin with")
+    driven.add_argument("--angular", type=float, default=0.8, metavar="RAD/S", help="turn rate to begin with")
     heard = add(
         "echo",
         on_bus(lambda a, bus, stop: echo(bus, a.key, a.count, a.timeout, a.full, stop)),

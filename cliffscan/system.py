@@ -9,31 +9,37 @@ from collections.abc import Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, field
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from types import TracebackType
-from typing import Self
+from typing import Literal, Self
 
 from cliffscan.supervisor import Supervisor
 from common.bus import Bus, Network, NotConnected
-from common.config import SERVICES, ConfigError
+from common.config import SENSING, SERVICES, ConfigError
 from common.service import StopSignal
 
 ANYWHERE = re.compile(r"/(0\.0\.0\.0|\[::\]):")
 LAST = "capture"  # started when all others are ready, so that its first frame is not lost
 TURN = 0.1  # [s] between two looks at the processes
-OTHERS = [name for name in SERVICES if name != LAST]
+FIRST = [name for name in SENSING if name != LAST]
+Base = Literal["emulated", "real", "none"]
 
 log = logging.getLogger("cliffscan")
 
 
 @dataclass(frozen=True)
 class Plan:
-    """What to start: the robot's name, where its router listens and which routers it joins, the configuration."""
+    """What to start: the robot's name, its router's endpoints and the routers it joins, the configuration, the base.
+
+    An emulated base is started too, and takes the place of the configured port.
+    """
 
     robot: str = "turtlebot"
     listen: Sequence[str] = ("tcp/127.0.0.1:7447",)
     join: Sequence[str] = ()
     config: Path | None = None
     overrides: Sequence[str] = field(default_factory=list)  # SERVICE.KEY=VALUE
+    base: Base = "none"
 
     @property
     def endpoint(self) -> str:
@@ -53,6 +59,18 @@ class Plan:
         for override in self.overrides:
             words += ["--set", override] if override.startswith(f"{name}.") else []
         return [sys.executable, "-m", f"services.{name}", *words]
+
+    def base_processes(self, folder: str) -> dict[str, list[str]]:
+        """The command lines of the base's processes by name; an emulated base has its port in `folder`."""
+        if self.base == "none":
+            return {}
+        if self.base == "real":
+            return {"kobuki": self.service("kobuki")}
+        link = f"{folder}/kobuki"
+        return {
+            "base": [sys.executable, "-m", "simulator.kobuki", "--link", link, "--control", f"{folder}/control"],
+            "kobuki": [*self.service("kobuki"), "--set", f"kobuki.port={link}"],
+        }
 
     def check(self) -> None:
         """Raise ConfigError for an override that is no service's."""
@@ -84,8 +102,11 @@ class System:
             self.supervisor.start("router", self._plan.router())
             self.bus = entered.enter_context(self._connect())
             self.bus.watch_alive(self._changed)
-            for name in OTHERS:
+            for name in FIRST:
                 self.supervisor.start(name, self._plan.service(name))
+            folder = entered.enter_context(TemporaryDirectory(prefix="cliffscan-", ignore_cleanup_errors=True))
+            for name, command in self._plan.base_processes(folder).items():
+                self.supervisor.start(name, command)
             self._exit = entered.pop_all()
         return self
 
@@ -96,7 +117,7 @@ class System:
 
     def poll(self) -> None:
         """Look after the processes. Raises ConfigRefused."""
-        if LAST not in self.supervisor.children and self.alive.issuperset(OTHERS):
+        if LAST not in self.supervisor.children and self.alive.issuperset(FIRST):
             self.supervisor.start(LAST, self._plan.service(LAST))
         self.supervisor.poll()
 

@@ -13,11 +13,12 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 from types import TracebackType
-from typing import Generic, Self, TypeVar
+from typing import Any, Generic, Self, TypeVar
 
+import msgpack
 import zenoh
 
-from common.message import Message
+from common.message import Message, MessageError, unpack
 from common.topics import Qos, Topic, alive
 
 M = TypeVar("M", bound=Message)
@@ -118,6 +119,29 @@ class Bus:
                 receive(str(sample.key_expr)[prefix:], sample.payload.to_bytes())
 
         self._session.declare_subscriber(f"{self.robot}/{path}", deliver)
+
+    def answer(self, path: str, reply: Callable[[dict[str, Any]], dict[str, Any]]) -> None:
+        """Answer every request at `path` below the robot's name with the map that `reply` makes of its parameters."""
+
+        def deliver(query: zenoh.Query) -> None:
+            with query:
+                try:
+                    parameters = unpack(query.payload.to_bytes()) if query.payload else {}
+                except MessageError as error:
+                    answered = {"ok": False, "message": f"malformed request: {error}"}
+                else:
+                    answered = reply(parameters)
+                query.reply(query.key_expr, msgpack.packb(answered), encoding=zenoh.Encoding("application/msgpack"))
+
+        self._session.declare_queryable(f"{self.robot}/{path}", deliver)
+
+    def ask(self, path: str, parameters: dict[str, Any], timeout: float) -> dict[str, Any] | None:
+        """The first answer to a request at `path`; None where there was none within `timeout` [s]."""
+        replies = self._session.get(f"{self.robot}/{path}", payload=msgpack.packb(parameters), timeout=timeout)
+        for reply in replies:
+            if reply.ok:
+                return unpack(reply.ok.payload.to_bytes())
+        return None
 
     def announce(self, service: str) -> None:
         """Tell everyone that `service` works, until the session ends."""

@@ -12,7 +12,8 @@ from pydantic import BaseModel, ConfigDict, ValidationError
 
 from common.message import explain
 
-SERVICES = ("capture", "negative", "positive", "fuse")
+SENSING = ("capture", "negative", "positive", "fuse")
+SERVICES = (*SENSING, "kobuki")
 
 
 class ConfigError(ValueError):

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 Floats = NDArray[np.float64]
 
 STEEPEST_AXIS = math.cos(math.radians(3.0))  # an optical axis nearer the vertical has no heading on the floor
+MOST_PIXELS = 2**22  # a small compressed message must not unpack to any size it likes
 HIGHEST_CAMERA = 20.0  # [m]
 FARTHEST_RANGE = 65.535  # [m], the most that 16 bits of millimetres can say
 
@@ -106,6 +107,8 @@ def reach(camera: Camera) -> float:
 
 def check_camera(camera: Camera) -> None:
     """Raise ValueError where no real camera can be so, or where its axis has no heading on the floor."""
+    if min(camera.width, camera.height) < 2 or camera.width * camera.height > MOST_PIXELS:
+        raise ValueError(f"width, height: {camera.width}x{camera.height}, expected 2x2 to {MOST_PIXELS} pixels")
     fx, fy, cx, cy = camera.intrinsics
     for name, focal, centre, size in (("x", fx, cx, camera.width), ("y", fy, cy, camera.height)):
         if not 0.1 * size <= focal <= 100.0 * size:

@@ -35,6 +35,17 @@ def _short(text: str) -> str:
     return printable + ("…" if len(text) > LONGEST else "")
 
 
+def unpack(payload: bytes) -> dict[str, Any]:
+    """The msgpack map in `payload`. Raises MessageError where there is none."""
+    try:
+        fields = msgpack.unpackb(payload)
+    except (ValueError, msgpack.UnpackException) as error:
+        raise MessageError(f"not msgpack: {error}") from error
+    if not isinstance(fields, dict):
+        raise MessageError(f"expected a map, got {type(fields).__name__}")
+    return fields
+
+
 def _little_endian(dtype: str) -> PlainValidator:
     """Turns msgpack `bin` into a read-only array of `dtype`, without a copy; an array stays as it is."""
     kind = np.dtype(dtype)
@@ -78,13 +89,7 @@ class Message(BaseModel):
     @classmethod
     def decode(cls, payload: bytes) -> Self:
         """The message in `payload`. Raises MessageError naming each field that is missing or wrong."""
-        try:
-            fields = msgpack.unpackb(payload)
-        except (ValueError, msgpack.UnpackException) as error:
-            raise MessageError(f"not msgpack: {error}") from error
-        if not isinstance(fields, dict):
-            raise MessageError(f"expected a map, got {type(fields).__name__}")
-        return cls.of(fields)
+        return cls.of(unpack(payload))
 
     @classmethod
     def of(cls, fields: dict[str, Any]) -> Self:

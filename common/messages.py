@@ -11,15 +11,15 @@ from pydantic import Field, PrivateAttr, model_validator
 
 from common import depth_codec
 from common.geometry import Camera, FloorPlane, Intrinsics, check_camera
+from common.grid import Grid
 from common.message import Float32s, ListAsTuple, Message, Stamp, UInt64
 
-Side = Annotated[int, Field(ge=2, le=8192)]  # [px]
+Side = Annotated[int, Field(ge=2, lt=2**32)]  # [px]
 Vector2 = Annotated[tuple[float, float], ListAsTuple]
 Vector4 = Annotated[tuple[float, float, float, float], ListAsTuple]
 
 State = Literal["starting", "working", "waiting"]  # waiting: for a device
 
-MOST_PIXELS = 2**22  # a small compressed message must not unpack to any size it likes
 TURN = 2 * math.pi
 ANGLE_SLACK = 1.5  # increments: drivers of full-circle scanners disagree whether angle_max is a beam
 
@@ -46,8 +46,6 @@ class DepthImage(Message):
             self.width, self.height, Intrinsics(*self.intrinsics), self.range, FloorPlane(*self.floor)
         )
         check_camera(self._camera)
-        if self.width * self.height > MOST_PIXELS:
-            raise ValueError(f"width: {self.width}x{self.height} is too large, at most {MOST_PIXELS} pixels")
         self._depth = depth_codec.decode(self.data, self.encoding, self.width, self.height)
         return self
 
@@ -115,6 +113,10 @@ class LaserScan(Message):
         if self.range_min > self.range_max:
             raise ValueError(f"range_max: {self.range_max} is below range_min {self.range_min}")
         return self
+
+    def grid(self) -> Grid:
+        """The beams' azimuths."""
+        return Grid(len(self.ranges), self.angle_min, self.angle_increment)
 
 
 class ServiceStatus(Message):

@@ -26,7 +26,6 @@ from common.tally import Tally
 from common.topics import Topic, status
 
 C = TypeVar("C", bound=ServiceConfig)
-S = TypeVar("S", DepthImage, LaserScan)
 M = TypeVar("M", bound=Message)
 
 PATIENCE = 0.1  # [s] a wait may last before the service looks whether it should end
@@ -77,7 +76,7 @@ class Service(Generic[C]):
         """Declare that messages of `topic` will be said."""
         return self.bus.publisher(topic)
 
-    def receive(self, topic: Topic[S], accept: Callable[[S], None]) -> None:
+    def receive(self, topic: Topic[M], accept: Callable[[M], None]) -> None:
         """Call `accept`, from the bus's thread, for every good message of `topic`; bad ones are counted and told."""
         order = StreamOrder()
 
@@ -87,7 +86,7 @@ class Service(Generic[C]):
             except MessageError as error:
                 self.tally.complain("malformed", f"{path}: {error}")
                 return
-            oddity = order.check(message.seq, message.stamp)
+            oddity = order.check(message.seq, message.stamp) if isinstance(message, DepthImage | LaserScan) else None
             if oddity:
                 self.tally.complain(oddity.what, f"{path}: {oddity.why}")
             if not (oddity and oddity.refuse):
@@ -96,11 +95,11 @@ class Service(Generic[C]):
 
         self.bus.subscribe(topic.path, arrived)
 
-    def newest(self, topic: Topic[S]) -> Iterator[S]:
+    def newest(self, topic: Topic[M]) -> Iterator[M]:
         """Every good message of `topic` until the service ends; while one is worked on, only the newest is kept."""
-        inbox: Inbox[S] = Inbox()
+        inbox: Inbox[M] = Inbox()
 
-        def accept(message: S) -> None:
+        def accept(message: M) -> None:
             if not inbox.put(message):
                 self.tally.count("overtaken")
 

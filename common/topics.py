@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from enum import Enum
 from typing import Generic, TypeVar
 
+from common.base_messages import BaseState, Imu, Odometry, SafetyState, Velocity
 from common.message import Message
 from common.messages import DepthImage, LaserScan, ServiceStatus
 
@@ -39,6 +40,11 @@ DEPTH = Topic("camera/depth", DepthImage, Qos.BULK)
 SCAN_POSITIVE = Topic("scan/positive", LaserScan, Qos.REAL_TIME)
 SCAN_NEGATIVE = Topic("scan/negative", LaserScan, Qos.REAL_TIME)
 SCAN_FUSED = Topic("scan/fused", LaserScan, Qos.REAL_TIME)
+ODOMETRY = Topic("base/odom", Odometry, Qos.REAL_TIME)
+BASE_STATE = Topic("base/state", BaseState, Qos.REAL_TIME)
+IMU = Topic("base/imu", Imu, Qos.REAL_TIME)
+VELOCITY = Topic("base/cmd_vel", Velocity, Qos.REAL_TIME)
+SAFETY = Topic("base/safety", SafetyState, Qos.REAL_TIME)
 
 
 def scan(path: str) -> Topic[LaserScan]:
@@ -56,6 +62,11 @@ def status(service: str) -> Topic[ServiceStatus]:
     return Topic(f"status/{service}", ServiceStatus, Qos.STATUS)
 
 
+def command(name: str) -> str:
+    """Path at which the base answers a command."""
+    return f"base/command/{name}"
+
+
 def alive(service: str) -> str:
     """Path of a service's liveliness token."""
     return f"alive/{service}"
@@ -64,7 +75,7 @@ def alive(service: str) -> str:
 def message_at(path: str) -> type[Message] | None:
     """What is said at a key's path below the robot's name; None where the contract does not say."""
     for prefix, message in (
-        (DEPTH.path, DepthImage),
+        *((topic.path, topic.message) for topic in (DEPTH, ODOMETRY, BASE_STATE, IMU, VELOCITY, SAFETY)),
         ("scan", LaserScan),
         ("status", ServiceStatus),
     ):

@@ -10,7 +10,7 @@ from collections.abc import Callable, Sequence
 from rich.progress import Progress
 
 from cliffscan.system import Plan, System
-from common.config import SERVICES
+from common.config import SENSING
 from common.inbox import Inbox
 from common.messages import DepthImage, LaserScan
 from common.service import StopSignal
@@ -82,7 +82,7 @@ class Watch:
     @property
     def state(self) -> str:
         """What is waited for."""
-        starting = [name for name in SERVICES if name not in self._system.alive]
+        starting = [name for name in SENSING if name not in self._system.alive]
         return f"starting {', '.join(starting)}" if starting else "collecting frames"
 
     def look(self, goal: Goal) -> None:
@@ -95,7 +95,7 @@ class Watch:
         now = self._clock()
         if progress != self._progress:
             self._progress, self._since = progress, now
-        patience = goal.patience if self._system.alive.issuperset(SERVICES) else STARTING
+        patience = goal.patience if self._system.alive.issuperset(SENSING) else STARTING
         if now - self._since > patience:
             raise Silent(f"nothing new for {patience:.0f} s while {self.state}: {goal.done} of {goal.total} frames")
 

@@ -50,9 +50,8 @@ def pixels_of_beams(camera: Camera, grid: Grid) -> list[tuple[int, int, int]]:
         bounds = [angle_of(camera, row, column - 0.5) for column in range(camera.width + 1)]
         for step in narrow:
             angle = grid.angle_min + step * grid.increment
-            for column in range(camera.width):
-                if min(bounds[column : column + 2]) <= angle < max(bounds[column : column + 2]):
-                    seen.append((row, column, step))
+            covering = [c for c in range(camera.width) if min(bounds[c : c + 2]) <= angle < max(bounds[c : c + 2])]
+            seen += [(row, column, step) for column in covering]
     return seen
 
 

@@ -33,7 +33,7 @@ class CaptureConfig(ServiceConfig):
 
     # simulator
     world: str = "paper_room"
-    seed: int = 0  # of the sensor's noise
+    seed: Annotated[int, Field(ge=0)] = 0  # of the sensor's noise
 
     # kinect
     device: Annotated[int, Field(ge=0)] = 0  # which of several

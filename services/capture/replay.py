@@ -13,7 +13,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from common.config import ConfigError
 from common.geometry import Camera, FloorPlane, Intrinsics, check_camera
-from common.message import explain
+from common.message import Stamp, explain
 from services.capture.source import BadFrame, DepthFrame, SourceEnded
 
 Four = tuple[float, float, float, float]
@@ -25,7 +25,7 @@ class FrameOverride(BaseModel):
 
     model_config = ConfigDict(allow_inf_nan=False)
 
-    stamp: Annotated[int, Field(ge=0)] | None = None  # [ns]
+    stamp: Stamp | None = None  # [ns]
     intrinsics: Four | None = None  # fx, fy, cx, cy [px]
     floor: Four | None = None  # nx, ny, nz, d [m]
 

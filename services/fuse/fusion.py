@@ -27,9 +27,9 @@ def fuse(pair: Pair, extras: Mapping[str, tuple[ExtraInput, LaserScan]]) -> Lase
     not see itself. Raises GridMismatch.
     """
     positive, negative = pair
-    grid = _grid(positive)
-    if not grid.matches(_grid(negative)):
-        raise GridMismatch(f"positive has {grid}, negative has {_grid(negative)}")
+    grid = positive.grid()
+    if not grid.matches(negative.grid()):
+        raise GridMismatch(f"positive has {grid}, negative has {negative.grid()}")
     range_max = min(positive.range_max, negative.range_max)
     inputs = [_beams(positive, Evidence.POSITIVE), _beams(negative, Evidence.DROP)]
     inputs += [Beams.of(_resampled(source, scan, grid), Evidence.EXTRA) for source, scan in extras.values()]
@@ -44,10 +44,6 @@ def fuse(pair: Pair, extras: Mapping[str, tuple[ExtraInput, LaserScan]]) -> Lase
     )
 
 
-def _grid(scan: LaserScan) -> Grid:
-    return Grid(len(scan.ranges), scan.angle_min, scan.angle_increment)
-
-
 def _beams(scan: LaserScan, otherwise: Evidence) -> Beams:
     """The beams of a scan; one that came without evidence is taken for what its key says."""
     if not len(scan.intensities):
@@ -59,5 +55,5 @@ def _resampled(source: ExtraInput, scan: LaserScan, grid: Grid) -> Ranges:
     valid = (scan.ranges >= scan.range_min) & (scan.ranges <= scan.range_max)
     ranges = np.where(valid, scan.ranges, np.float32(np.nan))
     return resample(
-        ranges, _grid(scan).angles(), scan.angle_increment, (source.x, source.y, math.radians(source.yaw)), grid
+        ranges, scan.grid().angles(), scan.angle_increment, (source.x, source.y, math.radians(source.yaw)), grid
     )

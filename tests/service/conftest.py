@@ -63,6 +63,11 @@ class Client:
         payload = message if isinstance(message, bytes) else msgpack.packb(message)
         self.session.put(f"{self.robot}/{path}", payload, congestion_control=zenoh.CongestionControl.BLOCK)
 
+    def ask(self, path, parameters):
+        """The answer to a request."""
+        replies = self.session.get(f"{self.robot}/{path}", payload=msgpack.packb(parameters), timeout=DEADLINE)
+        return next(msgpack.unpackb(reply.ok.payload.to_bytes()) for reply in replies)
+
     def listen(self, path):
         return Ear(self.session, f"{self.robot}/{path}")
 
@@ -79,6 +84,11 @@ class Ear:
     def get(self):
         """The next message."""
         return self._heard.get(timeout=DEADLINE)[1]
+
+    def get_within(self, seconds):
+        """The next message, or None where none comes so soon."""
+        with contextlib.suppress(queue.Empty):
+            return self._heard.get(timeout=seconds)[1]
 
     def encoding(self):
         return self._heard.get(timeout=DEADLINE)[0]

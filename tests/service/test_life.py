@@ -7,7 +7,7 @@ import tomllib
 
 import pytest
 
-from common.config import SERVICES
+from common.config import SENSING, SERVICES
 from tests.service.conftest import free_endpoint
 
 
@@ -67,7 +67,7 @@ def test_a_source_that_can_never_be_opened_is_refused_with_one_line(client, star
 
 
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
-@pytest.mark.parametrize("service", SERVICES)
+@pytest.mark.parametrize("service", SENSING)
 def test_a_signal_ends_a_service_with_0(client, start, service, number):
     process = start(service)
     process.signal(number)
@@ -91,7 +91,7 @@ def test_a_signal_during_compilation_ends_a_service_with_0(start, tmp_path):
 
 def test_with_no_endpoint_services_find_each_other(client, start, run):
     """All by themselves: what `echo` hears came from fuse, which heard positive and negative, which heard capture."""
-    for service in SERVICES:
+    for service in SENSING:
         start(service, wait=False, where=[])
     command = [sys.executable, "-m", "cliffscan", "echo", "scan/fused", "--robot", client.robot, "--count", "1"]
     assert run(command).end() == 0

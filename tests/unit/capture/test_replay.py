@@ -40,11 +40,12 @@ def folder(tmp_path, clock):
 def frames_of(source, count):
     """The next frames; a source is asked again where none is due yet."""
     frames = []
-    while len(frames) < count:
+    for _ in range(100 * count):
         frame = source.read(timeout=0.1)
-        if frame:
-            frames.append(frame)
-    return frames
+        frames += [frame] if frame else []
+        if len(frames) == count:
+            return frames
+    raise AssertionError(f"only {len(frames)} of {count} frames came")
 
 
 def millimetres(frames):
@@ -136,6 +137,7 @@ def test_stamps_go_on_from_round_to_round(tmp_path, clock):
         ({"frames": []}, "frames"),
         ({"frames": {"000": {"stamp": -1}}}, "frames.000.stamp"),
         ({"frames": {"000": {"stamp": 1.5}}}, "frames.000.stamp"),
+        ({"frames": {"000": {"stamp": 2**63}}}, "frames.000.stamp"),
         ({"frames": {"000": {"floor": [1, 2]}}}, "frames.000.floor"),
         ({"frames": {"000": 5}}, "frames.000"),
     ],
@@ -184,6 +186,14 @@ def test_a_frame_of_an_impossible_camera_is_bad(folder, what):
     change, reason = IMPOSSIBLE[what]
     with pytest.raises(BadFrame, match=f"000: {reason}"):
         Replay(depth_folder(folder, **change), 30, loop=False).read(0.1)
+
+
+@pytest.mark.parametrize(("width", "height"), [(1, 3), (4096, 4096)])
+def test_a_size_that_no_consumer_takes_is_not_sent(folder, width, height):
+    depth_folder(folder, count=0, width=width, height=height, intrinsics=[width, height, 1, 1])
+    build.write_png(folder / "000.png", np.zeros((height, width), np.uint16))
+    with pytest.raises((ConfigError, BadFrame)):
+        Replay(folder, 30, loop=False).read(0.1)
 
 
 def test_a_frame_of_an_impossible_camera_costs_itself_only(tmp_path, clock):

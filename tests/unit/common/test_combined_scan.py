@@ -37,6 +37,14 @@ def test_it_is_the_combination_of_the_others(range_max, lost, monkeypatch):
     assert_array_equal(combined.intensities, expected.evidence)
 
 
+def test_nothing_beyond_range_max_is_said(monkeypatch):
+    scans, combined = published(NegativeConfig(range_max=1.7), 0.0, monkeypatch)
+    for scan in (*scans, combined):
+        assert scan.range_max == 1.7
+        assert (scan.ranges[np.isfinite(scan.ranges)] <= np.float32(1.7)).all()
+        assert np.isposinf(scan.ranges).any()
+
+
 def test_every_scan_is_of_the_frame(monkeypatch):
     scans, combined = published(NegativeConfig(), 0.0, monkeypatch)
     assert {(scan.seq, scan.stamp, len(scan.ranges)) for scan in [*scans, combined]} == {(1, 2, 640)}

@@ -91,7 +91,21 @@ def test_an_override_is_a_toml_value_or_a_word(override, key, value):
     assert type(found) is type(value)
 
 
-PATHS = ["/data/a b", "../x=y=z", "/ü/日本", "a#b", "it's", 'say "x"', "C:\\data", "[1", "{", "a\tb", "-1-", "a\nb = 3", "'a'\nb = 3"]
+PATHS = [
+    "'a'\nb = 3",
+    "/data/a b",
+    "../x=y=z",
+    "/ü/日本",
+    "a#b",
+    "it's",
+    'say "x"',
+    "C:\\data",
+    "[1",
+    "{",
+    "a\tb",
+    "-1-",
+    "a\nb = 3",
+]
 
 
 @pytest.mark.parametrize("path", PATHS)
@@ -139,7 +153,7 @@ OUT_OF_BOUNDS = """
 capture.rate=0 capture.rate=-1 capture.rate=1001 capture.rate=inf capture.rate=nan capture.height=0 capture.height=21
 capture.pitch=87 capture.pitch=-87 capture.roll=181 capture.device=-1 capture.device=1.5 capture.source=webcam
 capture.range=[0.5] capture.range=[1,2,3] capture.range=0.5 capture.intrinsics=[1,2,3]
-capture.intrinsics=[0,1,1,1] capture.range=[inf,1] capture.depth_mode=10bit capture.loop=2
+capture.intrinsics=[0,1,1,1] capture.range=[inf,1] capture.depth_mode=10bit capture.loop=2 capture.seed=-1
 negative.beams=1 negative.beams=20001 negative.beams=64.5 negative.field_of_view=0 negative.field_of_view=180
 negative.range_min=-1 negative.range_max=0 negative.scan_time=-1 negative.floor_band=0 negative.floor_band=0.6
 negative.methods=[] negative.methods=farthest_point negative.methods=["nearest"] negative.methods={}

@@ -66,7 +66,7 @@ def test_a_stamp_is_a_whole_number_of_nanoseconds(kind, wrong):
         decode(kind, stamp=wrong)
 
 
-@pytest.mark.parametrize("wrong", ["640", 640.0, -640, 1, 0, 8193, 2**63])
+@pytest.mark.parametrize("wrong", ["640", 640.0, -640, 1, 0, 2**22, 2**63])
 @pytest.mark.parametrize("side", ["width", "height"])
 def test_a_frame_of_no_size_or_an_absurd_one_is_refused(side, wrong):
     with pytest.raises(MessageError, match=side):

@@ -28,7 +28,7 @@ def test_a_token_has_its_key():
     assert topics.alive("negative") == "alive/negative"
 
 
-@pytest.mark.parametrize("path", ["base/odom", "scanner", "alive/fuse", "statuses", "camera", "camera/depths", ""])
+@pytest.mark.parametrize("path", ["based", "scanner", "alive/fuse", "statuses", "camera", "camera/depths", ""])
 def test_a_key_that_is_nowhere_in_the_table_has_no_message(path):
     assert topics.message_at(path) is None
 

@@ -4,7 +4,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from common.config import SERVICES
+from common.config import SENSING
 from experiments.collect import STARTING, Failed, Silent, Watch
 from experiments.goals import FirstFrames
 
@@ -38,7 +38,7 @@ def test_a_process_that_was_started_again_has_died():
 def test_services_have_time_to_start_each_after_the_other():
     system, goal = Scripted(), FirstFrames(3)
     watch = system.watch()
-    for service in SERVICES:
+    for service in SENSING:
         system.now += STARTING - 1.0
         watch.look(goal)
         assert service in watch.state
@@ -49,7 +49,7 @@ def test_services_have_time_to_start_each_after_the_other():
 
 def test_a_service_that_does_not_start_is_named():
     system = Scripted()
-    system.alive = set(SERVICES) - {"fuse"}
+    system.alive = set(SENSING) - {"fuse"}
     watch = system.watch()
     watch.look(FirstFrames(3))
     system.now = STARTING + 1.0
@@ -59,7 +59,7 @@ def test_a_service_that_does_not_start_is_named():
 
 def test_services_that_work_must_bring_a_new_frame_in_time():
     system, goal = Scripted(), FirstFrames(3)
-    system.alive = set(SERVICES)
+    system.alive = set(SENSING)
     watch = system.watch()
     for taken in range(3):
         system.now += goal.patience - 1.0

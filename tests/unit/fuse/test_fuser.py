@@ -157,6 +157,11 @@ def test_what_is_malformed_is_counted_and_the_next_frame_fused(monkeypatch):
     assert service.tally.counts() == {"malformed": 2, "received": 2, "published": 1}
 
 
+def test_the_service_gives_up_what_stays_alone(monkeypatch):
+    service = play(FuseConfig(timeout=1e-9), samples(("scan/positive", 7, [1, 2])), monkeypatch)
+    assert service.tally.counts() == {"received": 1, "incomplete": 1}
+
+
 def test_scans_of_one_beam_do_not_end_the_service(monkeypatch):
     sides = ("scan/lidar", "scan/positive", "scan/negative")
     arriving = samples(*[(side, 7, [1.0]) for side in sides], *[(side, 8, [1, 2]) for side in sides])

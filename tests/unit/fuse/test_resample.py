@@ -58,11 +58,12 @@ def test_a_scanner_coarser_than_the_grid_leaves_no_gaps(beams, pose):
 
 
 def test_a_reading_fills_its_increment_and_no_more():
-    found = seen([2.0], [0.1], math.radians(8))
+    fine = Grid.between(1001, -0.5, 0.5)
+    found = seen([2.0], [0.1], 0.2, grid=fine)
     (filled,) = np.nonzero(np.isfinite(found))
-    azimuths = GRID.angles()[filled]
-    assert azimuths.min() == pytest.approx(0.1 - math.radians(4), abs=GRID.increment)
-    assert azimuths.max() == pytest.approx(0.1 + math.radians(4), abs=GRID.increment)
+    azimuths = fine.angles()[filled]
+    assert azimuths.min() == pytest.approx(0.0, abs=fine.increment)
+    assert azimuths.max() == pytest.approx(0.2, abs=fine.increment)
     assert (np.diff(filled) == 1).all()
     assert_allclose(found[filled], 2.0)
 

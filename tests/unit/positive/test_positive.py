@@ -95,6 +95,14 @@ def test_every_frame_is_answered_with_a_scan_of_its_stamp(monkeypatch):
     assert counts == {"received": 3, "published": 3}
 
 
+def test_nothing_beyond_range_max_is_said(monkeypatch):
+    ((scan,), _) = play(PositiveConfig(beams=31, range_max=2.1), [image(1, wall=2.0)], monkeypatch)
+    assert scan.range_max == 2.1
+    assert scan.ranges[15] == pytest.approx(2.0, rel=0.01)
+    assert np.isposinf(scan.ranges[[0, -1]]).all()  # the wall's ends are 2.29 m away
+    assert not scan.intensities[[0, -1]].any()
+
+
 def test_a_bad_frame_costs_itself_only(monkeypatch):
     small = image(2, camera=scenes.camera(32, 24))
     said, counts = play(CONFIG, [image(1), b"\x00", small, image(1), image(3)], monkeypatch)

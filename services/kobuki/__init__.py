@@ -1,0 +1,1 @@
+"""kobuki: the mobile base's serial protocol, odometry and safety."""

@@ -1,0 +1,246 @@
+"""Between the network and the base: all that happens, happens in one thread, one thing after another.
+
+Whatever comes, bytes of the base, a command, a scan or a request, is put into one inbox as a job; a turn does the next
+job and then what is due. So nothing here needs a lock, and a decision always follows from all that came before it.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable
+from concurrent.futures import Future
+
+from common import topics
+from common.base_messages import Velocity
+from common.inbox import Inbox
+from common.messages import LaserScan
+from common.service import Service
+from services.kobuki import commands, reports
+from services.kobuki.config import KobukiConfig
+from services.kobuki.desk import Answer, Desk, GainsDesk, Reply, done, failed
+from services.kobuki.frames import FrameParser
+from services.kobuki.ground import Pose
+from services.kobuki.handshake import Handshake
+from services.kobuki.history import PoseHistory
+from services.kobuki.odometry import Odometry
+from services.kobuki.outlets import Outlets
+from services.kobuki.packets import Feedback, decode
+from services.kobuki.port import Port, PortLost
+from services.kobuki.safety import Decision, Safety, Scan, Twist
+from services.kobuki.versions import has_gains
+
+TICK = 0.02  # [s] between decisions when the base is silent
+SILENT = 0.5  # [s] without news of the base
+REPORT = 1.0  # [s] between two reports of an unchanged rule
+BACK_OFF = (0.5, 8.0)  # [s] before the first and, doubled each time, before a later attempt to open the port
+ROOM = 1024  # jobs that may wait
+
+
+class Bridge:
+    """The base's side of the network and the network's side of the base."""
+
+    def __init__(self, service: Service[KobukiConfig]) -> None:
+        self._service = service
+        self._config = service.config
+        self._jobs: Inbox[Callable[[], None]] = Inbox(ROOM)
+        self._port: Port | None = None
+        self._delay, self._retry_at = BACK_OFF[0], -math.inf
+        self._odometry, self._shown = Odometry(), Odometry()  # for the gate, and for the world, which may reset it
+        self._history = PoseHistory()
+        self._safety = Safety(service.config, Pose(0.0, 0.0, 0.0))
+        self._outlets = Outlets(self._write)
+        self._gains = GainsDesk(self._write)
+        self._decided_at = self._reported_at = -math.inf
+        self._reported: tuple[object, ...] = ()
+        self._begin()
+        self._odom = service.publisher(topics.ODOMETRY)
+        self._state = service.publisher(topics.BASE_STATE)
+        self._imu = service.publisher(topics.IMU)
+        self._said = service.publisher(topics.SAFETY)
+
+    def listen(self) -> None:
+        """Hear commands, scans and requests from now on."""
+        self._service.receive(topics.VELOCITY, lambda message: self._put(lambda: self._command(message)))
+        self._service.receive(topics.SCAN_FUSED, lambda message: self._put(lambda: self._scan(message)))
+        replies: dict[str, Reply] = {
+            "stop": self._stop,
+            "clear_safety": self._clear,
+            "reset_odometry": self._reset,
+            "led": self._outlets.led,
+            "sound": self._outlets.sound,
+            "digital_output": self._outlets.digital_output,
+            "gains": self._ask_gains,
+            "version": lambda _: self._handshake.told(),
+        }
+        for name, reply in replies.items():
+            self._service.bus.answer(topics.command(name), Desk(self._put, reply))
+
+    def turn(self, timeout: float = TICK) -> None:
+        """Do the next job, if one comes within `timeout` [s], and what is due."""
+        job = self._jobs.get(timeout)
+        try:
+            if job:
+                job()
+            self._due(time.monotonic())
+        except PortLost as lost:
+            self._lose(str(lost))
+
+    def close(self) -> None:
+        """Stop the wheels and let go of the port."""
+        if self._port:
+            try:
+                self._port.write(commands.base_control(0.0, 0.0))
+            except PortLost as lost:
+                self._service.tally.complain("port_lost", str(lost))
+            self._port.close()
+            self._port = None
+
+    # ---- the port
+
+    def _begin(self) -> None:
+        """Know nothing of the base."""
+        self._parser, self._handshake, self._report = FrameParser(), Handshake(), reports.StateReport()
+        self._heard_at = -math.inf
+
+    def _open(self, now: float) -> None:
+        if now < self._retry_at:
+            return
+        self._begin()
+        self._port = Port(self._config.port, lambda data: self._put(lambda: self._bytes(data)))
+        self._heard_at = now
+
+    def _lose(self, why: str) -> None:
+        port, self._port = self._port, None
+        if port:
+            port.close()
+        self._service.tally.complain("port_lost", f"{why}; trying again in {self._delay:g} s")
+        self._service.state, self._service.note = "waiting", why
+        self._retry_at = time.monotonic() + self._delay
+        self._delay = min(2 * self._delay, BACK_OFF[1])
+        self._safety.lose_base()
+        self._odometry.rebaseline("the port was opened anew")
+        self._shown.rebaseline("the port was opened anew")
+
+    def _write(self, data: bytes) -> None:
+        if not self._port or not self._handshake.accepted:
+            raise PortLost("the base is not connected")
+        self._port.write(data)
+
+    # ---- what comes
+
+    def _put(self, job: Callable[[], None]) -> None:
+        if not self._jobs.put(job):
+            self._service.tally.complain("overtaken", "more comes than can be done")
+
+    def _bytes(self, data: bytes) -> None:
+        if not data:
+            raise PortLost(f"{self._config.port}: the base was unplugged")
+        bad = self._parser.counts.bad_checksums
+        for payload in self._parser.feed(data):
+            self._packet(decode(payload), time.time_ns(), time.monotonic())
+        for _ in range(self._parser.counts.bad_checksums - bad):
+            self._service.tally.complain("bad_packet", "the base sent a packet with a wrong checksum")
+
+    def _packet(self, feedback: Feedback, stamp: int, now: float) -> None:
+        for skipped in feedback.skipped:
+            self._service.tally.complain("bad_sub_payload", str(skipped))
+        if self._handshake.hear(feedback):
+            self._accept()
+        if feedback.gains:
+            self._gains.told(feedback.gains)
+        if feedback.core is None or not self._handshake.accepted:
+            return
+        self._heard_at = now
+        estimate = self._odometry.update(feedback.core, feedback.inertia, now)
+        pose = Pose(*estimate.pose)
+        if estimate.new_baseline:
+            self._service.tally.complain("baseline", estimate.new_baseline)
+            self._safety.restart(pose)
+        self._history.add(stamp, pose)
+        self._safety.sense(feedback.core, pose)
+        self._decide(now)
+        self._odom.put(reports.odometry(self._shown.update(feedback.core, feedback.inertia, now), stamp))
+        self._state.put(self._report.update(feedback, feedback.core, stamp))
+        imu = reports.imu(feedback, stamp)
+        if imu:
+            self._imu.put(imu)
+        self._service.tally.output(stamp)
+
+    def _accept(self) -> None:
+        """The base told its firmware."""
+        if self._handshake.refused:
+            self._service.state, self._service.note = "waiting", self._handshake.refused
+            self._service.tally.complain("refused", self._handshake.refused)
+        else:
+            self._delay = BACK_OFF[0]
+            self._outlets.resend()
+            self._service.ready()
+
+    def _command(self, message: Velocity) -> None:
+        self._safety.command(Twist(message.linear, message.angular), time.monotonic())
+        self._decide(time.monotonic())
+
+    def _scan(self, scan: LaserScan) -> None:
+        now = time.monotonic()
+        pose = self._history.at(scan.stamp)
+        if pose is None:
+            self._service.tally.complain("scan_unplaced", f"stamp {scan.stamp}: not known where the robot was then")
+            return
+        taken = now - (time.time_ns() - scan.stamp) * 1e-9
+        angles = scan.grid().angles()
+        self._safety.see(Scan(scan.ranges.astype(float), angles, scan.range_max), pose, taken, now)
+
+    # ---- what goes
+
+    def _due(self, now: float) -> None:
+        if not self._port:
+            self._open(now)
+            return
+        self._port.beat()
+        if now - self._heard_at > SILENT:
+            self._safety.lose_base()
+        if self._parser.counts.good:
+            request = self._handshake.request(now)
+            if request:
+                self._port.write(request)
+        if now - self._decided_at >= TICK:
+            self._decide(now)
+
+    def _decide(self, now: float) -> None:
+        """Ask the gate, and tell the wheels and the world."""
+        self._decided_at = now
+        decision = self._safety.decide(now)
+        if self._handshake.refused:
+            decision = Decision("refused", Twist(0.0, 0.0), decision.asked, note=self._handshake.refused)
+        elif self._port and self._handshake.accepted:
+            self._port.write(commands.base_control(*decision.allowed))
+        self._tell(decision, now)
+
+    def _tell(self, decision: Decision, now: float) -> None:
+        latched = bool(self._safety.latched)
+        news = (decision.rule, latched, decision.note if decision.rule != "no_scan" else "")
+        if news != self._reported or now - self._reported_at >= REPORT:
+            self._reported, self._reported_at = news, now
+            self._said.put(reports.safety(decision, latched, time.time_ns()))
+
+    # ---- what is asked for
+
+    def _stop(self, _: Answer) -> Answer:
+        self._safety.stop("asked to")
+        self._decide(time.monotonic())
+        return done("stopped until clear_safety")
+
+    def _ask_gains(self, parameters: Answer) -> Answer | Future[Answer]:
+        firmware = self._handshake.firmware
+        if firmware and not has_gains(firmware):
+            return failed(f"firmware {firmware} has no gains to tell")
+        return self._gains.request(parameters)
+
+    def _clear(self, _: Answer) -> Answer:
+        self._safety.clear()
+        return done("cleared")
+
+    def _reset(self, _: Answer) -> Answer:
+        self._shown.reset()
+        return done("here is the origin")

@@ -1,0 +1,133 @@
+"""Where the Kobuki is, by its wheels and its gyro, and how sure of it one can be.
+
+The errors are those of a random walk with independent steps. A step of length d and turn t, in s seconds, has
+
+- a length of variance 1e-4 m · |d|: 1 cm after 1 m;
+- by the gyro, a turn of variance 1e-4 rad · |t| + 1e-6 rad²/s · s: 1.4° after a full turn, 3.4° after an hour's drift;
+- by the wheels, a turn of variance 5e-3 rad · |t| + 1e-3 rad²/m · |d|: 10° after a full turn, 1.8° after 1 m;
+
+and the pose takes over both through the Jacobians of mid-point integration. Where packets are missing, the base may
+have moved unseen: a standard deviation of 0.35 m/s and 0.5 rad/s for as long as nobody looked, 3 s at most, for nobody
+drives a base that is not heard. These are deliberately careful figures, not measured ones.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from services.kobuki.kinematics import METRES_PER_TICK, WHEEL_SEPARATION
+from services.kobuki.packets import CENTIDEGREE
+from services.kobuki.sensors import Core, Inertia
+from services.kobuki.steps import Discontinuity, Reading, Step, step_between
+
+Matrix = NDArray[np.float64]
+
+LENGTH_BY_LENGTH = 1e-4  # [m² / m]
+GYRO_BY_TURN = 1e-4  # [rad² / rad]
+GYRO_BY_TIME = 1e-6  # [rad² / s]
+WHEELS_BY_TURN = 5e-3  # [rad² / rad]
+WHEELS_BY_LENGTH = 1e-3  # [rad² / m]
+UNSEEN_SPEED = 0.35  # [m/s]
+UNSEEN_TURN = 0.5  # [rad/s]
+LONGEST_UNSEEN = 3.0  # [s]
+
+SPEED_ERROR = 0.02  # of a speed, by the wheels' diameters
+GYRO_ERROR = 0.01  # of an angular velocity, by the gyro's scale
+WHEELS_ERROR = 0.05  # of an angular velocity, by the wheels' slip
+SIDEWAYS = 0.01  # [m/s], of wheels that cannot roll sideways
+UNKNOWN_TWIST = np.diag([0.7, SIDEWAYS, 2.0]) ** 2  # as fast as the base can be
+
+
+class Estimate(NamedTuple):
+    """Where the robot is in the odometry frame and how it moves in its own: x forward, y left.
+
+    Covariances: (3, 3), of x, y [m] and theta [rad], and of the velocities along x, y [m/s] and about z [rad/s].
+    """
+
+    pose: tuple[float, float, float]  # x, y [m], theta [rad] in -π ... π
+    twist: tuple[float, float]  # linear [m/s], angular [rad/s]; mean of the last step
+    pose_covariance: Matrix
+    twist_covariance: Matrix
+    new_baseline: str | None = None  # why this packet's motion could not be told, else None
+
+
+class Odometry:
+    """Adds up the steps from packet to packet.
+
+    A packet that does not go on from its predecessor becomes the new baseline: the pose stays where it was, less sure,
+    and the twist is taken for zero, not sure at all.
+    """
+
+    def __init__(self) -> None:
+        self._before: Reading | None = None
+        self._interruption: str | None = None
+        self._last = Estimate((0.0, 0.0, 0.0), (0.0, 0.0), np.zeros((3, 3)), UNKNOWN_TWIST)
+
+    def update(self, core: Core, inertia: Inertia | None, now: float) -> Estimate:
+        """The estimate after a packet that came at `now` [s] of a steady clock."""
+        after = Reading.of(core, inertia, now)
+        try:
+            step = self._step_to(after)
+        except Discontinuity as gap:
+            silence = 0.0 if self._before is None else now - self._before.now
+            self._last = _without_step(self._last, silence, str(gap))
+        else:
+            if step is None:
+                return self._last._replace(new_baseline=None)
+            self._last = _with_step(self._last, step)
+        self._before = after
+        return self._last
+
+    def rebaseline(self, why: str) -> None:
+        """The next packet does not go on from the last: the port was opened anew, say."""
+        self._interruption = why
+
+    def reset(self) -> None:
+        """Here is the origin, and ahead is its x axis; the motion goes on."""
+        self._last = self._last._replace(pose=(0.0, 0.0, 0.0), pose_covariance=np.zeros((3, 3)))
+
+    def _step_to(self, after: Reading) -> Step | None:
+        interruption, self._interruption = self._interruption, None
+        if interruption or self._before is None:
+            raise Discontinuity(interruption or "first packet")
+        return step_between(self._before, after)
+
+
+def _without_step(last: Estimate, silence: float, why: str) -> Estimate:
+    """The same place, after `silence` [s] in which the base may have moved."""
+    unseen = min(max(silence, 0.0), LONGEST_UNSEEN)
+    spread = np.diag([UNSEEN_SPEED, UNSEEN_SPEED, UNSEEN_TURN]) * unseen
+    return Estimate(last.pose, (0.0, 0.0), last.pose_covariance + spread**2, UNKNOWN_TWIST, why)
+
+
+def _with_step(last: Estimate, step: Step) -> Estimate:
+    """The pose after a step along an arc, taken as its chord in the direction of the arc's middle."""
+    x, y, theta = last.pose
+    cos, sin = math.cos(theta + step.turn / 2.0), math.sin(theta + step.turn / 2.0)
+    pose = (x + step.distance * cos, y + step.distance * sin, math.remainder(theta + step.turn, math.tau))
+    by_pose = np.array([[1.0, 0.0, -step.distance * sin], [0.0, 1.0, step.distance * cos], [0.0, 0.0, 1.0]])
+    by_step = np.array([[cos, -step.distance / 2.0 * sin], [sin, step.distance / 2.0 * cos], [0.0, 1.0]])
+    covariance = by_pose @ last.pose_covariance @ by_pose.T + by_step @ _step_covariance(step) @ by_step.T
+    twist = (step.distance / step.seconds, step.turn / step.seconds)
+    return Estimate(pose, twist, covariance, _twist_covariance(step))
+
+
+def _step_covariance(step: Step) -> Matrix:
+    """(2, 2), of the length and the turn of a step."""
+    length, turned = abs(step.distance), abs(step.turn)
+    by_gyro = GYRO_BY_TURN * turned + GYRO_BY_TIME * step.seconds
+    by_wheels = WHEELS_BY_TURN * turned + WHEELS_BY_LENGTH * length
+    return np.diag([LENGTH_BY_LENGTH * length, by_gyro if step.by_gyro else by_wheels])
+
+
+def _twist_covariance(step: Step) -> Matrix:
+    """(3, 3): the rounding of the two readings that a step lies between, and an error proportional to the velocity."""
+    tick = METRES_PER_TICK / math.sqrt(6.0) / step.seconds  # [m/s] by which one wheel's speed is rounded
+    speed = math.hypot(tick / math.sqrt(2.0), SPEED_ERROR * step.distance / step.seconds)
+    rounding = CENTIDEGREE / math.sqrt(6.0) / step.seconds if step.by_gyro else math.sqrt(2.0) * tick / WHEEL_SEPARATION
+    turning = math.hypot(rounding, (GYRO_ERROR if step.by_gyro else WHEELS_ERROR) * step.turn / step.seconds)
+    return np.diag([speed, SIDEWAYS, turning]) ** 2

@@ -1,0 +1,91 @@
+"""A Kobuki on a pty: open the link with any driver. Faults on demand over the control socket; `help` lists them."""
+
+from __future__ import annotations
+
+import argparse
+import logging
+import signal
+import threading
+from pathlib import Path
+
+from simulator.kobuki.base import Base
+from simulator.kobuki.cable import Cable, CableError
+from simulator.kobuki.drive import RampedWheels, WheelModel
+from simulator.kobuki.firmware import DEAD_TIME, Firmware
+from simulator.kobuki.kinematics import Wheels
+from simulator.kobuki.line import Line
+from simulator.kobuki.runner import Runner, run
+from simulator.kobuki.server import ControlServer, ServerError
+from simulator.kobuki.versions import Identity, Version
+
+USAGE_ERROR = 2
+
+log = logging.getLogger(__name__)
+
+
+def options() -> argparse.ArgumentParser:
+    """The command line."""
+    model, identity = WheelModel(), Identity()
+    parser = argparse.ArgumentParser(prog="python -m simulator.kobuki", description=__doc__)
+    parser.add_argument("--link", type=Path, required=True, metavar="PATH", help="where the driver finds the port")
+    parser.add_argument("--control", type=Path, metavar="PATH", help="Unix socket for one-line commands")
+    parser.add_argument("--firmware", default=str(identity.firmware), metavar="VERSION", help="%(default)s")
+    parser.add_argument("--slip", type=float, default=0.0, metavar="SHARE", help="of each wheel's way that is lost")
+    parser.add_argument("--slip-noise", type=float, default=model.noise, metavar="√M", help="error [m] after 1 m")
+    parser.add_argument("--acceleration", type=float, default=model.acceleration, metavar="M/S²", help="%(default)s")
+    parser.add_argument("--deceleration", type=float, default=model.deceleration, metavar="M/S²", help="%(default)s")
+    parser.add_argument(
+        "--dead-time", type=float, default=DEAD_TIME, metavar="S", help="from a command to the wheels, %(default)s"
+    )
+    parser.add_argument("--seed", type=int, default=0, help="of slip noise and garbage")
+    return parser
+
+
+def make_base(arguments: argparse.Namespace) -> Base:
+    """The base that the options describe. Raises ValueError for one that cannot be."""
+    slip = Wheels(arguments.slip, arguments.slip)
+    model = WheelModel(arguments.acceleration, arguments.deceleration, slip, arguments.slip_noise)
+    identity = Identity(firmware=Version.parse(arguments.firmware))
+    firmware = Firmware(RampedWheels(model, arguments.seed), identity, arguments.dead_time)
+    return Base(firmware, Line(arguments.seed))
+
+
+def open_runner(base: Base, arguments: argparse.Namespace) -> Runner:
+    """The base on its port. Raises CableError or ServerError where a path cannot be used."""
+    cable = Cable(arguments.link)
+    try:
+        return Runner(base, cable, ControlServer(arguments.control) if arguments.control else None)
+    except ServerError:
+        cable.close()
+        raise
+
+
+def stop_signal() -> threading.Event:
+    """Set by SIGTERM and Ctrl-C."""
+    stop = threading.Event()
+    for number in (signal.SIGTERM, signal.SIGINT):
+        signal.signal(number, lambda *_: stop.set())
+    return stop
+
+
+def main() -> None:
+    """Run a base until told to end."""
+    parser = options()
+    arguments = parser.parse_args()
+    stop = stop_signal()
+    logging.basicConfig(level=logging.INFO, format="%(asctime)s %(levelname)s kobuki: %(message)s")
+    try:
+        base = make_base(arguments)
+    except ValueError as error:
+        parser.exit(USAGE_ERROR, f"kobuki: {error}\n")
+    try:
+        with open_runner(base, arguments) as runner:
+            log.info("ready: %s is %s", arguments.link, runner.cable.device)
+            run(runner, stop)
+    except (CableError, ServerError) as error:
+        parser.exit(USAGE_ERROR, f"kobuki: {error}\n")
+    log.info("ended after %d packets", base.firmware.packets)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,85 @@
+"""A base at work on a port: its firmware, its cable and its control socket, coupled."""
+
+from __future__ import annotations
+
+import select
+import threading
+import time
+
+from simulator.kobuki import control
+from simulator.kobuki.base import Base
+from simulator.kobuki.cable import Cable
+from simulator.kobuki.report import Fields, fields
+from simulator.kobuki.server import ControlServer
+
+LOOK = 0.02  # [s] after which to look, at the latest, whether a driver came
+
+
+class Runner:
+    """Moves bytes between a base and the world. Whoever owns it says how much time has passed.
+
+    A physics simulator calls `exchange` with its own steps; `run` does with the clock's.
+    """
+
+    def __init__(self, base: Base, cable: Cable, server: ControlServer | None = None) -> None:
+        self.base = base
+        self.cable = cable
+        self.server = server
+
+    def __enter__(self) -> Runner:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.cable.close()
+        if self.server:
+            self.server.close()
+
+    def exchange(self, dt: float) -> None:
+        """Let the base live for a while [s], then hear what the driver and the control socket have to say."""
+        pieces = self.base.step(dt)
+        self._plug()
+        if self.cable.plugged:
+            self.cable.say(pieces)
+            self._hear()
+        if self.server:
+            self.server.serve(lambda line: control.execute(self.base, line))
+            self._plug()
+
+    def wait(self, timeout: float) -> None:
+        """Until somebody says something, but not beyond a timeout [s]."""
+        files = self.server.files() if self.server else []
+        if self.cable.connected:  # a port that nobody has open would never let us sleep
+            files.append(self.cable.fileno())
+        select.select(files, [], [], timeout)
+
+    def _plug(self) -> None:
+        if self.base.plugged and not self.cable.plugged:
+            self.cable.plug()
+        elif self.cable.plugged and not self.base.plugged:
+            self.cable.unplug()
+            self._note_connection()
+
+    def _hear(self) -> None:
+        heard = self.cable.hear()
+        self._note_connection()
+        for command in self.base.receive(heard):
+            self._tell(fields(command))
+
+    def _note_connection(self) -> None:
+        if self.base.connected != self.cable.connected:
+            self.base.connected = self.cable.connected
+            self._tell({"port": "opened" if self.base.connected else "closed"})
+
+    def _tell(self, event: Fields) -> None:
+        if self.server:
+            self.server.tell({"time": self.base.firmware.time, **event})
+
+
+def run(runner: Runner, stop: threading.Event) -> None:
+    """Let the base live by the clock until told to stop."""
+    last = time.monotonic()
+    while not stop.is_set():
+        runner.wait(min(LOOK, runner.base.until_next()))
+        now = time.monotonic()
+        runner.exchange(now - last)
+        last = now

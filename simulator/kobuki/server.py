@@ -1,0 +1,126 @@
+"""A Unix socket for one-line commands; each gets one line back. `watch` has everything told that the driver does."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import socket
+from collections.abc import Callable
+from pathlib import Path
+
+from simulator.kobuki.control import ControlError
+from simulator.kobuki.report import Fields
+
+LONGEST_LINE = 1000  # [bytes]
+READ_SIZE = 4096  # [bytes]
+
+
+class ServerError(Exception):
+    """A socket that cannot be made."""
+
+
+class Client:
+    """Somebody who gives commands."""
+
+    def __init__(self, connection: socket.socket) -> None:
+        self.connection = connection
+        self.watching = False
+        self.gone = False
+        self._pending = b""
+
+    def lines(self) -> list[str]:
+        """The lines that are complete by now."""
+        try:
+            while data := self.connection.recv(READ_SIZE):
+                self._pending += data
+            self.gone = True
+        except BlockingIOError:
+            pass
+        except OSError:
+            self.gone = True
+        *whole, self._pending = self._pending.split(b"\n")
+        self.gone |= len(self._pending) > LONGEST_LINE
+        return [line.decode(errors="replace") for line in whole]
+
+    def tell(self, line: str) -> None:
+        """Send a line. Who does not read is left, for the base waits for nobody."""
+        try:
+            self.connection.sendall(line.encode() + b"\n")
+        except OSError:
+            self.gone = True
+
+
+class ControlServer:
+    """Listens at a path. Raises ServerError where it cannot, or where another process does already."""
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self._clients: list[Client] = []
+        self._listener = listen(path)
+
+    def files(self) -> list[int]:
+        """What to wait on."""
+        return [self._listener.fileno(), *(client.connection.fileno() for client in self._clients)]
+
+    def serve(self, execute: Callable[[str], str]) -> None:
+        """Answer all that was asked since the last time."""
+        self._accept()
+        for client in self._clients:
+            for line in client.lines():
+                client.tell(self._answer(client, line, execute))
+        self._part()
+
+    def tell(self, event: Fields) -> None:
+        """Let those who watch know."""
+        for client in self._clients:
+            if client.watching:
+                client.tell(json.dumps(event))
+
+    def close(self) -> None:
+        """Leave nothing behind."""
+        for client in self._clients:
+            client.connection.close()
+        self._listener.close()
+        self.path.unlink(missing_ok=True)
+
+    def _accept(self) -> None:
+        with contextlib.suppress(BlockingIOError):
+            while True:
+                connection, _ = self._listener.accept()
+                connection.setblocking(False)
+                self._clients.append(Client(connection))
+
+    def _answer(self, client: Client, line: str, execute: Callable[[str], str]) -> str:
+        if line.strip() == "watch":
+            client.watching = True
+            return "ok"
+        try:
+            return execute(line)
+        except ControlError as error:
+            return f"error: {error}"
+
+    def _part(self) -> None:
+        for client in self._clients:
+            if client.gone:
+                client.connection.close()
+        self._clients = [client for client in self._clients if not client.gone]
+
+
+def listen(path: Path) -> socket.socket:
+    """A socket that listens at a path; one left behind by a process that died is replaced. Raises ServerError."""
+    listener = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
+    try:
+        if path.is_socket() and not _answers(path):
+            path.unlink()
+        listener.bind(str(path))
+    except OSError as error:
+        listener.close()
+        raise ServerError(f"cannot listen at {path}: {error.strerror or error}") from error
+    listener.listen()
+    listener.setblocking(False)
+    return listener
+
+
+def _answers(path: Path) -> bool:
+    with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as probe:
+        return probe.connect_ex(str(path)) == 0
