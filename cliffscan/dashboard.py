@@ -24,6 +24,7 @@ HELP = (
     "+ -  speed      < >  turn rate            x  emergency stop   c  clear it",
     "r  reset odometry                         q  quit",
 )
+ORDINARY = ("free", "no_command", "limit")  # rules of the gate that hold while nothing is wrong
 HOME, CLEAR_LINE, CLEAR_BELOW = "\x1b[0m\x1b[H", "\x1b[K", "\x1b[J"
 STANDING_OUT, PLAIN = "\x1b[7m", "\x1b[0m"
 
@@ -153,7 +154,7 @@ def _rule(state: SafetyState) -> Line:
     distance = f" at {state.distance:.2f} m" if state.distance >= 0 else ""
     latched = ", holds until c is pressed" if state.latched else ""
     note = f": {_printable(state.note)}" if state.note else ""
-    return Line(f"{state.rule}{distance}{latched}{note}", alarm=state.rule != "free")
+    return Line(f"{state.rule}{distance}{latched}{note}", alarm=state.rule not in ORDINARY)
 
 
 def _motion(motion: Motion) -> str:

@@ -218,7 +218,7 @@ class Orders:
         if reply is None:
             self.note = f"{name}: NO ANSWER from the base"
         else:
-            self.note = f"{name}: {'done' if reply.get('ok') is True else 'REFUSED'} {reply.get('message', '')}"
+            self.note = f"{name}: {'done' if reply.get('ok') is True else 'REFUSED'}, {reply.get('message', '')}"
 
 
 @contextmanager

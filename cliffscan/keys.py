@@ -61,6 +61,8 @@ ORDERS = {
     "c": Order.CLEAR_SAFETY,
     "r": Order.RESET_ODOMETRY,
 }
+# Clearing the emergency stop must not set free what was pressed while it held.
+HALTING = {Order.QUIT, Order.EMERGENCY_STOP, Order.CLEAR_SAFETY}
 
 
 class KeyReader:
@@ -157,7 +159,7 @@ class KeyPad:
             self.linear = _stepped(self.linear, FASTER[key] * STEP, STEP, FASTEST)
         elif key in TURN_FASTER:
             self.angular = _stepped(self.angular, TURN_FASTER[key] * TURN_STEP, TURN_STEP, FASTEST_TURN)
-        elif key in HALT or ORDERS.get(key) in (Order.QUIT, Order.EMERGENCY_STOP):
+        elif key in HALT or ORDERS.get(key) in HALTING:
             self._forward.halt(now)
             self._leftward.halt(now)
 

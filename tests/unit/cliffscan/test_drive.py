@@ -85,6 +85,8 @@ def test_however_the_bytes_are_cut_the_same_keys_come_out(sequences, cuts):
         (UP + DOWN, (-0.2, 0.0)),
         (UP + b" ", (0.0, 0.0)),
         (UP + b"x", (0.0, 0.0)),
+        (UP + b"c", (0.0, 0.0)),
+        (UP + b"r", (0.2, 0.0)),
         (UP + b"\x1a", (0.0, 0.0)),
         (b"q" + UP, (0.0, 0.0)),
     ],
@@ -239,7 +241,8 @@ def test_whatever_fails_the_wheels_are_told_to_stand_still():
             wheels.turn(Motion(0.2, 0.0), 1.0)
             raise ZeroDivisionError
 
-    pytest.raises(ZeroDivisionError, fail)
+    with pytest.raises(ZeroDivisionError):
+        fail()
     assert said.motions[0] == (0.2, 0.0)
     assert set(said.motions[1:]) == {(0.0, 0.0)}
 
@@ -263,7 +266,8 @@ def test_a_terminal_is_put_back_whatever_fails(pty):
             assert terminal.read(5.0) == b"\x03\r"
             raise ZeroDivisionError
 
-    pytest.raises(ZeroDivisionError, fail)
+    with pytest.raises(ZeroDivisionError):
+        fail()
     assert termios.tcgetattr(slave) == before
 
 
@@ -374,6 +378,10 @@ def test_a_free_way_is_no_alarm():
     assert line("gate", safety=heard) == Line("gate      free   (0.2 s old)")
     assert line("asked", safety=heard) == Line("  asked   +0.20 m/s   +0.00 rad/s")
     assert line("allowed", safety=heard) == Line("  allowed +0.20 m/s   +0.00 rad/s")
+
+
+def test_to_stand_without_a_command_is_no_alarm():
+    assert not line("gate", safety=Aged(safety(rule="no_command", asked=(0.0, 0.0), allowed=(0.0, 0.0)), 0.0)).alarm
 
 
 def test_what_the_gate_does_is_shown():

@@ -13,6 +13,7 @@ from common.geometry import FloorPlane
 from common.messages import DepthImage
 from services.positive.__main__ import obstacles, serve
 from services.positive.config import PositiveConfig
+from services.positive.projection import projection
 from tests import build, naive, scenes
 
 CONFIG = PositiveConfig(beams=31)
@@ -56,6 +57,15 @@ def test_what_is_between_the_floor_and_the_robots_height_is_in_the_way(bottom, t
         assert middle == pytest.approx(1.2, rel=0.01)
 
 
+@pytest.mark.parametrize(
+    ("height", "found"),
+    [(-9.0, math.inf), (0.03, math.inf), (0.031, 2.0), (0.42, 2.0), (0.421, math.nan), (math.nan, math.nan)],
+)
+def test_the_floor_band_and_the_robots_height_belong_to_themselves(height, found):
+    seen = np.array([[height]]), np.array([[2.0]]), np.array([[0]], np.int32), np.array([[1]], np.int32)
+    np.testing.assert_array_equal(projection(*seen, 0.03, 0.42), np.float32([found]))
+
+
 def test_what_is_nearer_than_range_min_is_part_of_the_robot():
     box = (0.6, -0.2, 0.0, 0.7, 0.2, 0.25)
     assert ranges_of(boxes=[box], wall=2.0)[15] == pytest.approx(0.6, rel=0.01)
@@ -84,6 +94,11 @@ def play(config, images, monkeypatch):
     arriving = [("camera/depth", each if isinstance(each, bytes) else each.encode()) for each in images]
     service = build.play(serve, "positive", config, arriving, monkeypatch)
     return service.bus.said["scan/positive"], service.tally.counts()
+
+
+def test_every_answer_is_counted_as_an_output(monkeypatch):
+    arriving = [("camera/depth", image(stamp).encode()) for stamp in (1, 2, 3)]
+    assert build.play(serve, "positive", CONFIG, arriving, monkeypatch).tally.take_outputs() == 3
 
 
 def test_every_frame_is_answered_with_a_scan_of_its_stamp(monkeypatch):
