@@ -19,11 +19,11 @@ CELL = 0.04  # [m]
 HALF_CELL = CELL * math.sqrt(0.5)  # [m] from a cell's middle to its corners
 MEMORY = 3.0  # [m] what lies farther off is forgotten
 CELLS = 2 * round(MEMORY / CELL)
-LOOK = 1.5  # [m] of each scan that is taken in; braking takes less
-
+LOOK = 1.5  # [m] around the robot within which floor is seen to be free, and as far as it looks ahead
 WIDEST = math.radians(80.0)  # a scan is taken in that far to either side
 
-UNKNOWN, FREE, OCCUPIED, TOUCHED = range(4)
+UNKNOWN, FREE, OCCUPIED = range(3)
+TOUCHED = 4  # added to any of them: forgiving a touch must not forget what was seen there
 
 
 def _disc(radius: float) -> tuple[Cells, Floats]:
@@ -74,44 +74,67 @@ class Ground:
         self._centre = _cell(np.array([pose.x, pose.y]))
         self._set(self._within(pose, start_free), UNKNOWN, FREE)
 
+    def begin_again(self, pose: Pose, start_free: float) -> None:
+        """Nobody knows what happened since: what was free may not be, what was in the way may still be."""
+        self._state[self._state == FREE] = UNKNOWN
+        self._set(self._within(pose, start_free), UNKNOWN, FREE)
+
     def follow(self, pose: Pose, radius: float) -> None:
-        """The robot is at `pose` now: its disc of `radius` [m] stands on floor, and what is far is forgotten."""
+        """The robot is at `pose` now: its disc of `radius` [m] stands on floor, and what is far is forgotten.
+
+        Not a cell more is freed than the disc covers: else the robot would creep ahead on floor nobody has seen.
+        """
         centre = _cell(np.array([pose.x, pose.y]))
         for axis in (0, 1):
             self._forget(axis, int(centre[axis]))
-        self._set(self._within(pose, radius), UNKNOWN, FREE)
+        cells = self._within(pose, radius)
+        x, y = _middle(cells)
+        covered = (x - pose.x) ** 2 + (y - pose.y) ** 2 < radius**2
+        self._set(cells[:, covered], UNKNOWN, FREE)
 
     def see(self, ranges: Floats, angles: Floats, range_max: float, pose: Pose, blind: float) -> None:
         """Take in a scan made at `pose`: ranges (beams,) [m] as REP-117 has them, at evenly spaced angles [rad].
 
         A cell is free when every beam that crosses it goes on beyond it. Nearer than `blind` [m] the camera sees
-        no floor: there a cell not known becomes free, but an occupied one stays what it is.
+        no floor: there an occupied cell stays what it is, and one not known becomes free only together with the
+        floor behind it, for a hole that begins unseen is first reported at `blind`.
         """
-        cells, distances, azimuths = self._ahead(pose, min(max(-angles[0], angles[-1]), WIDEST))
-        beyond = np.where(np.isnan(ranges), 0.0, np.minimum(ranges, range_max))
-        clear = _least_between(beyond, *_crossing(distances, azimuths, angles)) > distances + HALF_CELL
-        self._set(cells[:, clear], UNKNOWN, FREE)
-        self._set(cells[:, clear & (distances >= blind)], OCCUPIED, FREE)
-        near = np.isfinite(ranges) & (ranges <= LOOK)
+        if len(angles) > 1:
+            cells, distances, azimuths = self._ahead(pose, min(max(-angles[0], angles[-1]), WIDEST))
+            beyond = np.where(np.isnan(ranges), 0.0, np.minimum(ranges, range_max))
+            least = _least_between(beyond, *_crossing(distances, azimuths, angles))
+            self._set(cells[:, least > np.maximum(distances, blind) + HALF_CELL], UNKNOWN, FREE)
+            seen = distances >= blind + HALF_CELL  # all of the cell
+            self._set(cells[:, seen & (least > distances + HALF_CELL)], OCCUPIED, FREE)
+        near = np.isfinite(ranges) & (ranges <= 2.0 * MEMORY)
         hits = ranges[near] * np.stack([np.cos(angles[near]), np.sin(angles[near])])
-        self.mark(pose.to_world(hits), OCCUPIED)
+        self.occupy(pose.to_world(hits))
 
-    def mark(self, points: Floats, state: int) -> None:
-        """Points (2, n) [m] of the odometry's frame are OCCUPIED or TOUCHED; only time and distance undo a touch."""
-        cells = _cell(points)
-        near = (np.abs(cells - self._centre[:, None]) < CELLS // 2).all(axis=0)
-        place = tuple(cells[:, near] % CELLS)
-        self._state[place] = np.maximum(self._state[place], state)
+    def occupy(self, points: Floats) -> None:
+        """Something is in the way at these points (2, n) [m] of the odometry's frame, as far as they are remembered."""
+        place = self._places(points)
+        self._state[place] = self._state[place] & TOUCHED | OCCUPIED
+
+    def touch(self, points: Floats) -> None:
+        """The robot felt something at these points (2, n) [m]; no scan undoes that, only forgive() and distance."""
+        self._state[self._places(points)] |= TOUCHED
 
     def forgive(self) -> None:
-        """Forget what was touched."""
-        self._state[self._state == TOUCHED] = FREE
+        """Forget what was touched, but not what was seen at the same place."""
+        felt = self._state >= TOUCHED
+        self._state[felt] = np.maximum(self._state[felt] - TOUCHED, FREE)
 
     def not_free(self, pose: Pose, reach: float, unknown_too: bool) -> Floats:
         """Middles (2, n) [m], in the robot's frame, of the cells within `reach` [m] that are not free."""
         cells = self._within(pose, reach)
         state = self._state[tuple(cells % CELLS)]
         return pose.from_world(_middle(cells[:, (state >= OCCUPIED) | (unknown_too & (state == UNKNOWN))]))
+
+    def _places(self, points: Floats) -> tuple[Cells, ...]:
+        """Where the cells of those points (2, n) [m] are kept that lie inside the square."""
+        cells = _cell(points)
+        near = (np.abs(cells - self._centre[:, None]) < CELLS // 2).all(axis=0)
+        return tuple(cells[:, near] % CELLS)
 
     def _set(self, cells: Cells, old: int, new: int) -> None:
         place = tuple(cells % CELLS)

@@ -9,6 +9,7 @@ from collections import deque
 from services.kobuki.ground import Pose
 
 ROOM = 128  # poses; 2.5 s at the base's rate
+AHEAD = 100_000_000  # [ns] after the last pose for which the robot is taken to be still there
 
 
 class PoseHistory:
@@ -27,8 +28,8 @@ class PoseHistory:
         self._poses.append(pose)
 
     def at(self, stamp: int) -> Pose | None:
-        """The pose at `stamp`, between two known ones or the nearest known; None before the first was known."""
-        if not self._stamps or stamp < self._stamps[0]:
+        """The pose at `stamp`, between two known ones or the last; None before the first and long after the last."""
+        if not self._stamps or not self._stamps[0] <= stamp <= self._stamps[-1] + AHEAD:
             return None
         place = bisect_left(self._stamps, stamp)
         if place == len(self._stamps):

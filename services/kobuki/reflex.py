@@ -15,6 +15,7 @@ AWAY = 0.4  # [rad/s]
 BEYOND = 0.05  # [m] after the release; 0.10 m at most
 LONGEST = 0.5  # [m] backward with a sensor that never lets go
 SIDE = math.radians(50)  # where on the rim the outer sensors are
+ROLLING = 0.005  # [m] back, below which the robot may not have turned about yet
 WIDTH = math.radians(15)  # to either side of a sensor that something may have touched
 
 Kind = Literal["cliff", "bumper"]
@@ -36,42 +37,64 @@ class Reaction(NamedTuple):
     linear: float  # [m/s]
     angular: float  # [rad/s]
     note: str
+    pressed: bool  # whether the sensor still tells of it, or the robot only goes a little farther
 
 
 class Reflex:
     """Backs off from a cliff or a bumper until it is released and a little farther.
 
     A cliff or a wheel drop that comes on the way back stops the robot until all sensors are released, and so does a
-    sensor that never is: there is nothing to see by behind the robot.
+    sensor that never is: there is nothing to see by behind the robot. A second cliff sensor that fires before the robot
+    has come to go back only tells more of the same edge, over which it rolled while it braked.
     """
 
     def __init__(self) -> None:
         self._hit: Hit | None = None
-        self._cliffs = Cliff(0)  # known when it began
+        self._cliffs = Cliff(0)  # of the edge from which it backs off
         self._began = self._released = Pose(0.0, 0.0, 0.0)
+        self._foremost = 0.0  # [m] beyond where it began
         self._halted = ""
 
     def update(self, core: Core, pose: Pose) -> Reaction | None:
         """What to do now, if anything, by the latest sensors at `pose`."""
-        hit = _hit_of(core)
-        if self._hit is None:
-            if hit is None:
-                return None
-            self._hit, self._cliffs, self._began = hit, core.cliff, pose
-        if core.cliff & ~self._cliffs:
-            self._halted = "another cliff on the way back"
-        elif core.wheel_drop:
-            self._halted = "a wheel dropped on the way back"
-        elif hit and _distance(pose, self._began) > LONGEST:
-            self._halted = f"the {hit.kind} sensor does not let go"
-        if hit or core.wheel_drop:
+        pressed = _hit_of(core)
+        if self._hit is None and pressed:
+            self._begin(core, pose)
+        hit = self._hit = pressed or self._hit
+        if hit is None:
+            return None
+        self._judge(core, pose)
+        if pressed and self._distance_back(pose) > LONGEST:
+            self._halted = self._halted or f"the {hit.kind} sensor does not let go"
+        if pressed or core.wheel_drop:
             self._released = pose
         elif self._halted or _distance(pose, self._released) >= BEYOND:
             self.clear()
             return None
         if self._halted:
-            return Reaction(self._hit, 0.0, 0.0, self._halted)
-        return Reaction(self._hit, BACK, TURNS[self._hit.side], "backing off")
+            return Reaction(hit, 0.0, 0.0, self._halted, pressed is not None)
+        return Reaction(hit, BACK, TURNS[hit.side], "backing off", pressed is not None)
+
+    def _begin(self, core: Core, pose: Pose) -> None:
+        self._cliffs, self._began, self._foremost = core.cliff, pose, 0.0
+
+    def _judge(self, core: Core, pose: Pose) -> None:
+        """Stop for what comes on the way back."""
+        self._foremost = max(self._foremost, -self._distance_back(pose))
+        back = self._foremost + self._distance_back(pose)  # [m] gone back already
+        if not core.cliff and back > ROLLING:
+            self._cliffs = Cliff(0)
+        if self._cliffs and back < ROLLING:
+            self._cliffs |= core.cliff
+        if core.cliff & ~self._cliffs:
+            self._halted = self._halted or "another cliff on the way back"
+        elif core.wheel_drop:
+            self._halted = self._halted or "a wheel dropped on the way back"
+
+    def _distance_back(self, pose: Pose) -> float:
+        """How far [m] behind the place where it began the robot is, by the heading that it had there."""
+        x, y = self._began.x - pose.x, self._began.y - pose.y
+        return x * math.cos(self._began.theta) + y * math.sin(self._began.theta)
 
     def clear(self) -> None:
         """Forget what was hit."""

@@ -11,8 +11,8 @@ from typing import NamedTuple
 
 from common.base_messages import Rule
 from services.kobuki.config import KobukiConfig
-from services.kobuki.ground import HALF_CELL, LOOK, TOUCHED, Floats, Ground, Pose
-from services.kobuki.path import free_distance, safe_speed
+from services.kobuki.ground import HALF_CELL, LOOK, Floats, Ground, Pose
+from services.kobuki.path import SLOW, Momentum, free_distance, safe_speed
 from services.kobuki.reflex import Reflex, touched
 from services.kobuki.sensors import Button, Core
 
@@ -58,12 +58,15 @@ class Safety:
     def __init__(self, config: KobukiConfig, pose: Pose) -> None:
         self._config = config
         self._reflex = Reflex()
+        self._ground = Ground(pose, config.start_free)
+        self._momentum = Momentum(config.reaction, config.deceleration)
         self.latched = ""  # why the emergency stop holds, or nothing
         self.restart(pose)
 
     def restart(self, pose: Pose) -> None:
-        """Nobody knows what happened since: what was seen is forgotten, and the robot is taken to stand on floor."""
-        self._ground = Ground(pose, self._config.start_free)
+        """Nobody knows what happened since: the robot stands on floor, and what was in its way may still be there."""
+        self._ground.begin_again(pose, self._config.start_free)
+        self._momentum.rest()
         self._reflex.clear()
         self._pose = pose
         self._core: Core | None = None
@@ -86,12 +89,16 @@ class Safety:
         self._ground.forgive()
 
     def command(self, asked: Twist, now: float) -> None:
-        """Somebody wants the robot to move."""
-        self._asked, self._asked_at = asked, now
+        """Somebody wants the robot to move; what is no number asks for nothing."""
+        if all(map(math.isfinite, asked)):
+            self._asked, self._asked_at = asked, now
 
     def see(self, scan: Scan, pose: Pose, taken: float, now: float) -> None:
-        """A fused scan came, taken at `taken` [s] by a robot at `pose`."""
-        self._scan_taken, self._scan_came = max(taken, self._scan_taken), now
+        """A fused scan came, taken at `taken` [s] by a robot at `pose`; one that was overtaken is of no use."""
+        taken = min(taken, now)  # no clock that is ahead may make later scans look fresh
+        if taken < self._scan_taken:
+            return
+        self._scan_taken, self._scan_came = taken, now
         camera = pose.then(self._config.camera())
         self._ground.see(scan.ranges, scan.angles, scan.range_max, camera, self._config.blind)
 
@@ -107,6 +114,7 @@ class Safety:
         asked = self._asked
         decision = self._overriding() or self._driving(asked, now)
         self._before, self._decided_at = decision.allowed, now
+        self._momentum.send(*decision.allowed, now)
         return decision
 
     def _overriding(self) -> Decision | None:
@@ -123,7 +131,8 @@ class Safety:
             return Decision("overcurrent", REST, self._asked)
         if reaction is None:
             return None
-        self._ground.mark(touched(reaction.hit, self._pose, self._config.robot_radius), TOUCHED)
+        if reaction.pressed:
+            self._ground.touch(touched(reaction.hit, self._pose, self._config.robot_radius))
         return Decision(reaction.hit.kind, Twist(reaction.linear, reaction.angular), self._asked, note=reaction.note)
 
     def _driving(self, asked: Twist, now: float) -> Decision:
@@ -132,14 +141,19 @@ class Safety:
         if now - self._asked_at > config.command_timeout:
             return Decision("no_command", REST, asked)
         wanted = self._ramped(self._limited(asked), now)
-        age = now - min(self._scan_taken, self._scan_came)
-        if config.require_scan and age > config.scan_timeout:
-            slow = math.radians(config.slow_turn)
-            turn = Twist(0.0, min(max(wanted.angular, -slow), slow))
-            return Decision(
-                "no_scan", turn, asked, note=f"last scan {age:.1f} s old" if age < math.inf else "no scan yet"
-            )
-        return self._before_obstacle(wanted, asked, max(age, 0.0) if config.require_scan else 0.0)
+        age = max(now - min(self._scan_taken, self._scan_came), 0.0)
+        fresh = age <= config.scan_timeout
+        if config.require_scan and not fresh:
+            note = f"last scan {age:.1f} s old" if age < math.inf else "no scan yet"
+            return Decision("no_scan", self._slow_turn(wanted, now), asked, note=note)
+        return self._before_obstacle(wanted, asked, age if fresh else None, now)
+
+    def _slow_turn(self, wanted: Twist, now: float) -> Twist:
+        """What is left of a command to a blind robot: it stops on its arc, and then may turn slowly."""
+        if max(self._momentum.speed(side, now) for side in (1, -1)) > SLOW:
+            return REST
+        slow = math.radians(self._config.slow_turn)
+        return Twist(0.0, min(max(wanted.angular, -slow), slow))
 
     def _limited(self, asked: Twist) -> Twist:
         """No faster than the base may be, on the same arc."""
@@ -148,31 +162,54 @@ class Safety:
         return asked.scaled(1.0 / excess)
 
     def _ramped(self, wanted: Twist, now: float) -> Twist:
-        """No farther from what was last allowed than an acceleration takes it; to slow down is always allowed."""
+        """No farther from what was last allowed than an acceleration takes it; to slow down is always allowed.
+
+        A robot that starts keeps to the arc that was asked for; one that drives already is not slowed down to turn.
+        """
         step = min(max(now - self._decided_at, 0.0), LONGEST_STEP)
         before = self._before
         linear = _toward(before.linear, wanted.linear, self._config.acceleration * step)
-        angular = _toward(before.angular, wanted.angular, math.radians(self._config.angular_acceleration) * step)
-        if abs(wanted.linear) > 0.0 and abs(linear) < abs(wanted.linear):
-            return Twist(linear, wanted.angular * linear / wanted.linear)  # on the arc that was asked for
+        part = min(linear / wanted.linear, 1.0) if linear * wanted.linear > 0.0 else 1.0
+        angular = _toward(before.angular, wanted.angular * part, math.radians(self._config.angular_acceleration) * step)
+        if abs(linear) > abs(before.linear) and abs(angular) < abs(wanted.angular * part):
+            on_arc = linear * abs(angular / (wanted.angular * part))
+            linear = math.copysign(max(abs(on_arc), min(abs(before.linear), abs(linear))), linear)
         return Twist(linear, angular)
 
-    def _before_obstacle(self, wanted: Twist, asked: Twist, age: float) -> Decision:
-        """So fast that the robot can brake before it touches anything; a turn on the spot touches nothing new."""
-        rule: Rule = "free" if wanted == asked else "limit"
-        if wanted.linear == 0.0:
-            return Decision(rule, wanted, asked)
+    def _before_obstacle(self, wanted: Twist, asked: Twist, age: float | None, now: float) -> Decision:
+        """So fast that the robot can brake before it touches anything, by a scan `age` [s] old or by none.
+
+        While it still goes on from before, faster than it could brake on the new arc, it brakes first and turns then.
+        A turn on the spot touches nothing new.
+        """
+        factor, nearest = 1.0, math.inf
+        for side in (1, -1):
+            asks, drift = max(side * wanted.linear, 0.0), self._momentum.speed(side, now)
+            if asks == 0.0 and (drift <= SLOW or wanted.angular == 0.0):
+                continue
+            curvatures = self._momentum.curvatures(side, *wanted, now)
+            latency = self._config.reaction + (age or 0.0)
+            distance = self._free_distance(side * max(asks, drift), curvatures, latency, unseen_too=age is not None)
+            fastest = safe_speed(distance, self._config.deceleration, latency)
+            swerves = len(curvatures) > 1 and drift > max(fastest, SLOW)
+            if swerves or asks > fastest:
+                factor, nearest = min(factor, 0.0 if swerves else fastest / asks), min(nearest, distance)
+        if factor < 1.0:
+            return Decision("obstacle", wanted.scaled(factor), asked, nearest)
+        return Decision("free" if wanted == asked else "limit", wanted, asked)
+
+    def _free_distance(self, linear: float, curvatures: list[float], latency: float, unseen_too: bool) -> float:
+        """How far [m] the robot can go on the worst of these arcs [1/m]; beyond what braking takes nobody looks."""
         config = self._config
-        latency = config.reaction + age
         radius = config.robot_radius + config.margin + HALF_CELL
-        braking = abs(wanted.linear) * latency + wanted.linear**2 / (2.0 * config.deceleration)
+        braking = abs(linear) * latency + linear**2 / (2.0 * config.deceleration)
+        reach = min(radius + braking + 0.1, LOOK)
         # what lies behind is not seen, and backing away must stay possible: only what is known to be there counts
-        points = self._ground.not_free(self._pose, min(radius + braking + 0.1, LOOK), unknown_too=wanted.linear > 0.0)
-        distance = free_distance(points, *wanted, radius)
-        fastest = safe_speed(distance, config.deceleration, latency) if distance < math.inf else math.inf
-        if abs(wanted.linear) <= fastest:
-            return Decision(rule, wanted, asked)
-        return Decision("obstacle", wanted.scaled(fastest / abs(wanted.linear)), asked, distance)
+        points = self._ground.not_free(self._pose, reach, unknown_too=unseen_too and linear > 0.0)
+        if not points.size:
+            return reach - radius
+        distances = [free_distance(points, linear, linear * curvature, radius) for curvature in curvatures]
+        return min([*distances, reach - radius])
 
 
 def _toward(before: float, wanted: float, step: float) -> float:

@@ -1,0 +1,218 @@
+"""What is remembered of the floor, and what makes it forget."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from services.kobuki.ground import CELL, HALF_CELL, LOOK, MEMORY, Ground, Pose
+
+HERE = Pose(0.0, 0.0, 0.0)
+ANGLES = np.radians(np.linspace(-29, 29, 640))
+BLIND = 0.75
+RADIUS = 0.18
+
+poses = st.builds(Pose, st.floats(-50, 50), st.floats(-50, 50), st.floats(-10, 10))
+
+
+def see(ground, ranges, pose=HERE, angles=ANGLES, range_max=4.0):
+    ground.see(np.broadcast_to(np.asarray(ranges, float), angles.shape).copy(), angles, range_max, pose, BLIND)
+
+
+def occupied(ground, pose=HERE, reach=LOOK):
+    """Distances [m] from `pose` of the cells that are not free although known, the nearest first."""
+    return np.sort(np.hypot(*ground.not_free(pose, reach, unknown_too=False)))
+
+
+def unknown_ahead(ground, pose=HERE, half_width=0.1):
+    """Distance [m] of the first cell straight ahead that is not free."""
+    x, y = ground.not_free(pose, LOOK, unknown_too=True)
+    return x[(x > 0) & (np.abs(y) < half_width)].min(initial=math.inf)
+
+
+@pytest.mark.parametrize("start", [HERE, Pose(-7.3, 12.1, 2.0)])
+def test_where_it_begins_is_free_and_nothing_else(start):
+    ground = Ground(start, 0.5)
+    x, y = ground.not_free(start, LOOK, unknown_too=True)
+    assert 0.5 <= np.hypot(x, y).min() < 0.5 + 3 * CELL
+    assert not occupied(ground, start).size
+
+
+def test_a_clear_view_frees_what_it_crosses_also_in_the_blind_zone():
+    ground = Ground(HERE, 0.2)
+    see(ground, np.inf)
+    assert unknown_ahead(ground, half_width=0.05) >= LOOK - 3 * CELL
+    see(ground, 2.0)
+    assert unknown_ahead(ground, half_width=0.05) >= LOOK - 3 * CELL
+
+
+def test_beams_not_seen_free_nothing():
+    ground = Ground(HERE, 0.5)
+    see(ground, np.nan)
+    assert unknown_ahead(ground) < 0.5 + 3 * CELL
+    assert not occupied(ground).size
+    see(ground, np.where(np.arange(640) % 2, np.nan, np.inf))  # a cell is wider than a beam
+    assert unknown_ahead(ground) < 0.5 + 3 * CELL
+
+
+def test_beams_not_seen_undo_nothing():
+    ground = Ground(HERE, 0.5)
+    see(ground, 1.0)
+    before = occupied(ground)
+    see(ground, np.nan)
+    assert (occupied(ground) == before).all()
+
+
+def test_a_hole_that_begins_in_the_blind_zone_leaves_the_zone_unknown():
+    """The first the camera sees is at BLIND that there is no floor: where it begins, nobody knows."""
+    ground = Ground(HERE, 0.4)
+    see(ground, BLIND)
+    assert unknown_ahead(ground) < 0.4 + 3 * CELL
+
+
+def test_the_first_of_a_scan_is_marked_up_to_where_memory_ends():
+    for far in (0.6, 1.2, 2.0, MEMORY - 0.1):
+        ground = Ground(HERE, 0.5)
+        see(ground, np.where(np.arange(640) == 320, far, np.inf))
+        ground.follow(Pose(far - 1.0, 0.0, 0.0), RADIUS)
+        assert occupied(ground, Pose(far - 1.0, 0.0, 0.0))[0] == pytest.approx(1.0, abs=HALF_CELL + CELL)
+
+
+@pytest.mark.parametrize("ranges", [np.inf, np.nan, 3.0])
+def test_an_edge_that_leaves_the_view_stays(ranges):
+    ground = Ground(HERE, 0.5)
+    see(ground, 1.0)
+    for millimetres in range(0, 1000, 10):
+        pose = Pose(millimetres / 1000, 0.0, 0.0)
+        ground.follow(pose, RADIUS)
+        distance = 1.0 - pose.x
+        see(ground, distance if distance >= BLIND else ranges, pose)
+        assert occupied(ground, pose)[0] <= abs(distance) + CELL
+
+
+def test_a_cell_is_seen_to_be_free_only_if_all_of_it_is_out_of_the_blind_zone():
+    for far in np.arange(0.60, 1.0, 0.005):
+        ground = Ground(HERE, 0.5)
+        see(ground, np.where(np.abs(ANGLES) < 0.01, far, np.inf))
+        assert occupied(ground).size
+        see(ground, np.inf)
+        assert occupied(ground).size or far >= BLIND
+        assert not occupied(ground).size or far < BLIND + 3 * HALF_CELL
+
+
+def test_what_went_away_is_forgotten_when_its_place_is_seen_to_be_free():
+    ground = Ground(HERE, 0.5)
+    see(ground, 1.2)
+    assert occupied(ground).size
+    see(ground, np.inf)
+    assert len(occupied(ground)) < 5  # a cell at the scan's very side is never seen whole
+
+
+def test_it_is_forgotten_3_m_away_and_not_before():
+    for way in (Pose(-1, 0, 0), Pose(0, -1, 0), Pose(0, 1, 0)):
+        for far, stays in ((1.5, True), (1.8, True), (3.2, False)):
+            ground = Ground(HERE, 0.5)
+            see(ground, np.where(np.arange(640) == 320, 1.0, np.inf))
+            out = Pose(1.0 + way.x * far if way.x else 1.0, way.y * far, 0.0)
+            for share in np.linspace(0, 1, 400):
+                ground.follow(Pose(share * out.x, share * out.y, 0.0), RADIUS)
+            ground.follow(HERE, RADIUS)
+            assert bool(occupied(ground).size) == stays
+
+
+@given(st.lists(st.tuples(st.floats(-1, 1), st.floats(-1, 1)), min_size=1, max_size=4), st.floats(5, 40))
+def test_wandering_far_in_any_direction_it_is_the_same_as_a_dictionary(legs, length):
+    ground, known = Ground(HERE, 0.0), {}
+    x = y = 0.0
+    for dx, dy in legs:
+        for _ in range(15):
+            x, y = x + dx * length / 15, y + dy * length / 15
+            ground.follow(Pose(x, y, 0.0), 0.0)
+            centre = (math.floor(x / CELL), math.floor(y / CELL))
+            half = round(MEMORY / CELL)
+            known = {k: v for k, v in known.items() if all(-half <= k[i] - centre[i] < half for i in (0, 1))}
+            spot = (x + 0.7, y - 0.3)
+            ground.occupy(np.array([[spot[0]], [spot[1]]]))
+            known[math.floor(spot[0] / CELL), math.floor(spot[1] / CELL)] = True
+    found = Pose(x, y, 0.0).to_world(ground.not_free(Pose(x, y, 0.0), 1.4, unknown_too=False))
+    cells = {(math.floor(a / CELL), math.floor(b / CELL)) for a, b in found.T}
+    assert cells <= known.keys()
+    assert {k for k in known if math.dist(((k[0] + 0.5) * CELL, (k[1] + 0.5) * CELL), (x, y)) < 1.4} <= cells
+
+
+def test_only_the_disc_itself_is_taken_for_floor():
+    """Else the robot would free the cells in front of it by coming near, and creep on and on."""
+    ground = Ground(HERE, 0.0)
+    for dx in np.linspace(0, CELL, 9):
+        ground.follow(Pose(dx, dx / 2, 0.0), RADIUS)
+    x, y = ground.not_free(Pose(CELL, CELL / 2, 0.0), 0.5, unknown_too=True)
+    swept = np.min([np.hypot(x + CELL * (1 - s), y + CELL / 2 * (1 - s)) for s in np.linspace(0, 1, 9)], axis=0)
+    assert swept.min() >= RADIUS - 1e-9
+    assert swept.min() <= RADIUS + CELL
+
+
+def test_a_touch_is_undone_by_no_scan_but_forgiven():
+    ground = Ground(HERE, 0.5)
+    see(ground, np.inf)
+    ground.touch(np.array([[1.0], [0.0]]))
+    see(ground, np.inf)
+    ground.follow(Pose(0.9, 0.0, 0.0), RADIUS)
+    assert occupied(ground).size == 1
+    ground.forgive()
+    assert not occupied(ground).size
+
+
+def test_to_forgive_a_touch_is_not_to_forget_what_was_seen_there():
+    ground = Ground(HERE, 0.5)
+    for order in ("touch first", "see first"):
+        point = np.array([[1.0 if order == "see first" else 1.2], [0.0]])
+        if order == "touch first":
+            ground.touch(point)
+        ground.occupy(point)
+        ground.touch(point)
+    ground.forgive()
+    assert occupied(ground).size == 2
+
+
+def test_a_touch_is_left_behind():
+    ground = Ground(HERE, 0.5)
+    ground.touch(np.array([[0.2], [0.0]]))
+    ground.follow(Pose(3.3, 0.0, 0.0), RADIUS)
+    ground.follow(HERE, RADIUS)
+    assert not occupied(ground).size
+
+
+def test_to_begin_again_keeps_what_is_in_the_way():
+    ground = Ground(HERE, 0.5)
+    see(ground, np.where(np.abs(ANGLES) < 0.1, 1.0, np.inf))
+    ground.begin_again(HERE, 0.3)
+    assert occupied(ground)[0] == pytest.approx(1.0, abs=CELL)
+    x, y = ground.not_free(HERE, LOOK, unknown_too=True)
+    assert 0.3 <= np.hypot(x, y).min() < 0.3 + 3 * CELL
+
+
+@pytest.mark.parametrize("angles", [[0.0], [0.0, 0.1], [1.5, 2.5], np.linspace(-math.pi, math.pi, 720)])
+def test_scans_of_any_shape_are_taken(angles):
+    ground = Ground(HERE, 0.5)
+    angles = np.array(angles)
+    see(ground, 1.0, angles=angles)
+    assert occupied(ground).size
+    see(ground, np.inf, angles=angles)
+
+
+@given(poses, poses, st.floats(-5, 5), st.floats(-5, 5))
+def test_there_and_back_again(one, other, x, y):
+    point = np.array([[x], [y]])
+    assert one.from_world(one.to_world(point)) == pytest.approx(point, abs=1e-9)
+    assert one.then(other).to_world(point) == pytest.approx(one.to_world(other.to_world(point)), abs=1e-9)
+
+
+@given(poses, st.floats(0.8, 1.4), st.floats(-0.4, 0.4))
+def test_a_scan_is_put_where_the_robot_was(pose, far, azimuth):
+    ground = Ground(pose, 0.5)
+    see(ground, np.where(np.arange(640) == np.argmin(np.abs(ANGLES - azimuth)), far, np.inf), pose)
+    where = ground.not_free(pose, LOOK, unknown_too=False)
+    assert where.shape[1] == 1
+    assert np.hypot(where[0] - far * math.cos(azimuth), where[1] - far * math.sin(azimuth)) < HALF_CELL + 0.01

@@ -1,0 +1,315 @@
+"""Each rule of the gate, and which one comes first."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from services.kobuki.config import KobukiConfig
+from services.kobuki.ground import Pose
+from services.kobuki.packets import decode
+from services.kobuki.path import safe_speed
+from services.kobuki.safety import NOTHING, REST, Safety, Scan, Twist
+from tests.kobuki_stream import core
+
+ANGLES = np.radians(np.linspace(-29, 29, 640))
+HERE = Pose(0.0, 0.0, 0.0)
+TICK = 0.02
+
+
+class Drive:
+    """A gate, and a clock that goes on."""
+
+    def __init__(self, ranges=math.inf, **config):
+        self.safety, self.now, self.pose = Safety(KobukiConfig(**config), HERE), 100.0, HERE
+        self.ranges, self.sensors = ranges, {}
+
+    def tick(self, linear, angular=0.0, *, scan=True, command=True, taken=None):
+        self.now += TICK
+        if scan:
+            ranges = np.broadcast_to(np.asarray(self.ranges, float), ANGLES.shape).copy()
+            taken = self.now if taken is None else taken
+            self.safety.see(Scan(ranges, ANGLES, 4.0), self.pose, taken, self.now)
+        self.safety.sense(decode(core(**self.sensors)).core, self.pose)
+        if command:
+            self.safety.command(Twist(linear, angular), self.now)
+        return self.safety.decide(self.now)
+
+    def steady(self, linear, angular=0.0, ticks=150, **how):
+        """The decision once every acceleration is over; the robot is held in place."""
+        for _ in range(ticks):
+            decision = self.tick(linear, angular, **how)
+        return decision
+
+    def go(self, linear, angular=0.0, ticks=300, ranges=None):
+        """The robot does at once what is decided."""
+        for _ in range(ticks):
+            if ranges:
+                self.ranges = ranges(self.pose)
+            v, w = self.tick(linear, angular).allowed
+            self.pose = self.pose.then(Pose(v * TICK, 0.0, w * TICK))
+        return self.pose
+
+
+def test_the_default_latency_covers_the_base_and_the_time_between_decisions():
+    assert KobukiConfig().reaction >= 0.2 + 2 * TICK
+
+
+def test_with_nothing_in_the_way_it_does_what_was_asked():
+    assert Drive().steady(0.3, 0.2)[:3] == ("free", (0.3, 0.2), (0.3, 0.2))
+
+
+def test_nothing_moves_before_the_base_was_heard_nor_after_it_fell_silent():
+    safety = Safety(KobukiConfig(), HERE)
+    safety.command(Twist(0.3, 0.0), 1.0)
+    assert safety.decide(1.0)[:2] == ("no_base", REST)
+    drive = Drive()
+    drive.steady(0.3)
+    drive.safety.lose_base()
+    assert drive.safety.decide(drive.now)[:2] == ("no_base", REST)
+
+
+def test_no_command_for_0_3_s_stops_it():
+    drive = Drive()
+    drive.steady(0.3)
+    rules = [drive.tick(0, command=False).rule for _ in range(17)]
+    assert rules[:14] == ["free"] * 14
+    assert rules[15:] == ["no_command"] * 2
+    assert drive.tick(0, command=False).allowed == REST
+
+
+def test_without_a_fresh_scan_it_stops_and_then_turns_slowly():
+    drive = Drive()
+    drive.steady(0.3, 1.0)
+    decisions = [drive.tick(0.3, 1.0, scan=False) for _ in range(100)]
+    assert [d.rule for d in decisions].index("no_scan") in (14, 15)
+    assert decisions[16].allowed == REST
+    assert all(d.allowed.linear == 0.0 for d in decisions[16:])
+    assert decisions[-1].allowed == (0.0, math.radians(30))
+
+
+@pytest.mark.parametrize("late", [0.31, 5.0])
+def test_a_scan_that_comes_late_is_not_fresh(late):
+    drive = Drive()
+    drive.now += 10
+    for _ in range(20):
+        decision = drive.tick(0.3, taken=drive.now - late)
+    assert decision.rule == "no_scan"
+
+
+def test_a_clock_ahead_does_not_make_old_scans_fresh():
+    drive = Drive()
+    drive.tick(0.3, taken=drive.now + 50.0)
+    for _ in range(30):
+        decision = drive.tick(0.3, taken=100.0)
+    assert decision.rule == "no_scan"
+
+
+def test_a_scan_that_was_overtaken_frees_nothing():
+    drive = Drive(ranges=1.0)
+    drive.tick(0.7)
+    drive.ranges = math.inf
+    drive.tick(0.7, taken=99.0)
+    assert drive.steady(0.7, scan=False, ticks=10).rule != "no_scan"
+    assert drive.safety._ground.not_free(HERE, 1.2, unknown_too=False).size
+
+
+def test_where_no_scan_is_required_it_drives_without():
+    drive = Drive(require_scan=False)
+    for _ in range(300):
+        decision = drive.tick(0.4, scan=False)
+        drive.pose = drive.pose.then(Pose(decision.allowed.linear * TICK, 0.0, 0.0))
+    assert decision.allowed == (0.4, 0.0)
+
+
+@given(st.floats(0.9, 1.45), st.sampled_from([0.05, 0.2, 0.4, 0.7]))
+@settings(deadline=None, max_examples=25, derandomize=True)
+def test_it_is_as_fast_as_it_can_brake_from(far, asked):
+    decision = Drive(ranges=far).steady(asked)
+    config = KobukiConfig()
+    nearest = far + config.camera_x - config.robot_radius - config.margin
+    fastest = safe_speed(nearest, config.deceleration, config.reaction)
+    assert decision.allowed.linear <= min(asked, fastest) + 1e-9
+    assert decision.allowed.linear >= min(asked, fastest) - 0.08
+    assert decision.rule == ("free" if decision.allowed.linear == asked else "obstacle")
+    assert (decision.distance == NOTHING) == (decision.rule == "free")
+
+
+def test_slowing_down_keeps_the_curvature():
+    decision = Drive(ranges=0.85).steady(0.6, 0.3)
+    assert decision.rule == "obstacle"
+    assert decision.allowed.angular / decision.allowed.linear == pytest.approx(0.5)
+
+
+def test_speeds_are_limited_on_the_same_arc():
+    decision = Drive().steady(2.0, 1.0, ticks=400)
+    assert decision.rule in ("limit", "obstacle")
+    drive = Drive(max_linear=0.2)
+    assert drive.steady(2.0, 1.0).allowed == pytest.approx((0.2, 0.1))
+    assert drive.steady(0.0, -9.0).allowed == pytest.approx((0.0, -math.radians(110)))
+
+
+def test_accelerations_are_limited_and_the_arc_is_kept_from_the_start():
+    drive, before = Drive(), REST
+    for _ in range(100):
+        now = drive.tick(0.3, 1.2).allowed
+        assert now.linear - before.linear <= 0.5 * TICK + 1e-9
+        assert now.angular - before.angular <= math.radians(200) * TICK + 1e-9
+        if now.linear:
+            assert now.angular / now.linear == pytest.approx(4.0)
+        before = now
+    assert drive.tick(0.0).allowed == REST
+
+
+def test_decisions_in_quick_succession_do_not_add_up_and_a_pause_counts_as_0_1_s():
+    drive = Drive()
+    first = drive.tick(0.7).allowed.linear
+    assert all(drive.safety.decide(drive.now).allowed.linear == first for _ in range(50))
+    drive.now += 60
+    assert drive.tick(0.7).allowed.linear <= first + 0.5 * 0.1 + 1e-9
+
+
+@pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf])
+def test_a_command_that_is_no_number_is_none(value):
+    drive = Drive()
+    drive.safety.command(Twist(value, 0.0), drive.now)
+    assert drive.tick(0, command=False).rule == "no_command"
+
+
+@pytest.mark.parametrize("far", [0.1, 0.3, 0.6])
+def test_forward_only_is_blocked(far):
+    drive = Drive(ranges=far)
+    drive.steady(0.0)
+    if far < 0.4:
+        assert drive.tick(0.3).allowed == REST
+    assert drive.steady(0.0, 1.0).allowed == (0.0, 1.0)
+    drive.steady(0.0)
+    assert drive.steady(-0.2).allowed == (-0.2, 0.0)
+
+
+def test_it_does_not_back_over_an_edge_that_it_remembers():
+    edge = 1.0
+    drive = Drive(ranges=edge)
+    drive.tick(0.0)
+    drive.ranges = math.inf
+    drive.pose = Pose(0.0, 0.0, math.pi)
+    pose = drive.go(-0.3)
+    assert 0.2 < pose.x < edge - 0.087 - 0.18
+
+
+def test_an_edge_that_leaves_the_view_stops_it():
+    def edge(pose):
+        distance = 1.4 - (pose.x - 0.087)
+        return distance / np.cos(ANGLES) if distance > 0.75 else math.inf
+
+    assert 1.4 - 0.28 < Drive().go(0.5, ranges=edge).x < 1.4 - 0.18
+
+
+def test_unseen_floor_stops_it_at_the_verified_floor():
+    def then_nothing(pose):
+        return math.inf if pose.x < 0.3 else math.nan
+
+    assert Drive(ranges=math.nan).go(0.5).x < 0.5 - 0.18
+    assert 1.0 < Drive().go(0.5, ranges=then_nothing).x < 0.3 + 1.5 - 0.18
+
+
+@pytest.mark.parametrize("turn", [0.0, math.pi / 2, math.pi, -2.0])
+@pytest.mark.parametrize("before", [0.0, 0.3, 0.6, 1.0])
+def test_open_floor_never_holds_it_back(turn, before):
+    drive = Drive()
+    drive.go(0.3, ticks=round(before / 0.006))
+    for _ in range(200):
+        drive.pose = drive.pose._replace(theta=drive.pose.theta + turn / 200)
+        drive.tick(0.0, 0.5)
+    assert drive.go(0.3, ticks=100)
+    assert drive.tick(0.3).allowed == pytest.approx((0.3, 0.0))
+
+
+def test_a_corridor_does_not_hold_it_back():
+    def walls(pose):
+        with np.errstate(divide="ignore"):
+            return 0.4 / np.abs(np.sin(ANGLES))
+
+    assert Drive().go(0.3, ranges=walls).x > 1.4
+
+
+@pytest.mark.parametrize(("sensor", "rule"), [("drop", "wheel_drop"), ("over", "overcurrent")])
+def test_motors_are_off_until_released(sensor, rule):
+    drive = Drive()
+    drive.steady(0.3)
+    drive.sensors = {sensor: 1}
+    assert drive.tick(0.3)[:2] == (rule, REST)
+    drive.sensors = {}
+    assert drive.tick(0.3).allowed.linear > 0.0
+
+
+@pytest.mark.parametrize("kind", ["bumper", "cliff"])
+def test_it_backs_off_whatever_is_asked_and_then_keeps_away(kind):
+    drive = Drive()
+    drive.steady(0.3)
+    drive.sensors = {kind: 2}
+    assert drive.tick(0.3)[:2] == (kind, (-0.1, 0.0))
+    drive.go(0.3, ticks=10)
+    drive.sensors = {}
+    while drive.tick(0.3, command=False).rule == kind:
+        drive.pose = drive.pose.then(Pose(-0.002, 0.0, 0.0))
+    assert -0.12 < drive.pose.x < 0.0
+    assert drive.go(0.3).x < 0.0
+    assert drive.tick(0.3).rule == "obstacle"
+    assert drive.steady(0.0, 1.0).allowed == (0.0, 1.0)
+    drive.safety.clear()
+    assert drive.steady(0.3).allowed.linear == pytest.approx(0.3)
+
+
+@pytest.mark.parametrize("how", ["asked", "button"])
+def test_the_emergency_stop_holds_until_it_is_cleared(how):
+    drive = Drive()
+    drive.steady(0.3)
+    if how == "button":
+        drive.sensors = {"buttons": 1}
+        drive.tick(0.3)
+        drive.sensors = {}
+    else:
+        drive.safety.stop("asked to")
+    assert drive.steady(0.3)[:2] == ("stopped", REST)
+    drive.safety.restart(drive.pose)
+    assert drive.steady(0.3).rule == "stopped"
+    drive.safety.clear()
+    assert drive.steady(0.3).rule == "free"
+
+
+def test_the_strongest_rule_comes_first():
+    drive, rules = Drive(), []
+    drive.steady(0.3)
+    drive.safety.stop("asked to")
+    drive.sensors = {"drop": 1, "over": 1, "cliff": 2, "bumper": 2}
+    rules.append(drive.tick(0.3).rule)
+    drive.safety.clear()
+    for released in ("drop", "over", "cliff"):
+        rules.append(drive.tick(0.3).rule)
+        del drive.sensors[released]
+    drive.safety.clear()
+    rules.append(drive.tick(0.3).rule)
+    assert rules == ["stopped", "wheel_drop", "overcurrent", "cliff", "bumper"]
+
+
+def test_after_a_gap_an_edge_is_still_there():
+    drive = Drive(ranges=0.8)
+    drive.steady(0.0)
+    drive.ranges = math.inf
+    drive.pose = Pose(0.3, 0.0, 0.0)
+    drive.tick(0.0)
+    drive.safety.restart(drive.pose)
+    assert drive.go(0.3).x < 0.8 - 0.087 - 0.18
+
+
+def test_at_speed_it_brakes_before_it_swerves_towards_something():
+    drive = Drive(ranges=np.where(ANGLES > 0.2, 0.9, math.inf))
+    for _ in range(100):
+        drive.tick(0.7)
+    before = drive.tick(0.7).allowed.linear
+    assert before > 0.3
+    decision = drive.steady(before, 1.5, ticks=10)
+    assert decision.rule == "obstacle"
