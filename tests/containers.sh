@@ -119,4 +119,4 @@ docker inspect --format 'restarts: {{.RestartCount}}' $COMPOSE_PROJECT_NAME-fuse
 say "all end with exit 0"
 "${compose[@]}" stop --timeout 5 2>/dev/null
 "${compose[@]}" ps --all --format '{{.Service}}: {{.ExitCode}}' | tee "$work/codes"
-test "$(grep --count ': 0$' "$work/codes")" = 6
+test "$(grep --count ': 0$' "$work/codes")" = 7

@@ -72,12 +72,12 @@ class Ground:
     def __init__(self, pose: Pose, start_free: float) -> None:
         self._state = np.full((CELLS, CELLS), UNKNOWN, np.int8)
         self._centre = _cell(np.array([pose.x, pose.y]))
-        self._set(self._within(pose, start_free), UNKNOWN, FREE)
+        self._set(self._covered(pose, start_free), UNKNOWN, FREE)
 
     def begin_again(self, pose: Pose, start_free: float) -> None:
         """Nobody knows what happened since: what was free may not be, what was in the way may still be."""
         self._state[self._state == FREE] = UNKNOWN
-        self._set(self._within(pose, start_free), UNKNOWN, FREE)
+        self._set(self._covered(pose, start_free), UNKNOWN, FREE)
 
     def follow(self, pose: Pose, radius: float) -> None:
         """The robot is at `pose` now: its disc of `radius` [m] stands on floor, and what is far is forgotten.
@@ -87,10 +87,7 @@ class Ground:
         centre = _cell(np.array([pose.x, pose.y]))
         for axis in (0, 1):
             self._forget(axis, int(centre[axis]))
-        cells = self._within(pose, radius)
-        x, y = _middle(cells)
-        covered = (x - pose.x) ** 2 + (y - pose.y) ** 2 < radius**2
-        self._set(cells[:, covered], UNKNOWN, FREE)
+        self._set(self._covered(pose, radius), UNKNOWN, FREE)
 
     def see(self, ranges: Floats, angles: Floats, range_max: float, pose: Pose, blind: float) -> None:
         """Take in a scan made at `pose`: ranges (beams,) [m] as REP-117 has them, at evenly spaced angles [rad].
@@ -146,6 +143,12 @@ class Ground:
         """World numbers (2, n) of the cells that lie within `reach` [m] (up to LOOK), and perhaps a few beyond."""
         count = int(np.searchsorted(DISTANCES, reach + CELL, side="right"))
         return OFFSETS[:, :count] + _cell(np.array([pose.x, pose.y]))[:, None]
+
+    def _covered(self, pose: Pose, radius: float) -> Cells:
+        """World numbers (2, n) of the cells whose middles a disc of `radius` [m] covers."""
+        cells = self._within(pose, radius)
+        x, y = _middle(cells)
+        return cells[:, (x - pose.x) ** 2 + (y - pose.y) ** 2 < radius**2]
 
     def _ahead(self, pose: Pose, side: float) -> tuple[Cells, Floats, Floats]:
         """The cells in front of a scanner that sees `side` [rad] to either side, their distances [m] and azimuths."""

@@ -140,20 +140,19 @@ class Safety:
         config = self._config
         if now - self._asked_at > config.command_timeout:
             return Decision("no_command", REST, asked)
-        wanted = self._ramped(self._limited(asked), now)
         age = max(now - min(self._scan_taken, self._scan_came), 0.0)
         fresh = age <= config.scan_timeout
         if config.require_scan and not fresh:
             note = f"last scan {age:.1f} s old" if age < math.inf else "no scan yet"
-            return Decision("no_scan", self._slow_turn(wanted, now), asked, note=note)
-        return self._before_obstacle(wanted, asked, age if fresh else None, now)
+            return Decision("no_scan", self._slow_turn(asked.angular, now), asked, note=note)
+        return self._before_obstacle(self._ramped(self._limited(asked), now), asked, age if fresh else None, now)
 
-    def _slow_turn(self, wanted: Twist, now: float) -> Twist:
+    def _slow_turn(self, angular: float, now: float) -> Twist:
         """What is left of a command to a blind robot: it stops on its arc, and then may turn slowly."""
         if max(self._momentum.speed(side, now) for side in (1, -1)) > SLOW:
             return REST
         slow = math.radians(self._config.slow_turn)
-        return Twist(0.0, min(max(wanted.angular, -slow), slow))
+        return self._ramped(Twist(0.0, min(max(angular, -slow), slow)), now)
 
     def _limited(self, asked: Twist) -> Twist:
         """No faster than the base may be, on the same arc."""

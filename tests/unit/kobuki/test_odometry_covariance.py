@@ -16,6 +16,11 @@ def test_how_sure_a_metre_is():
     assert covariance[1, 2] > 0
 
 
+def test_how_sure_a_metre_without_a_gyro_is():
+    covariance = Base(with_gyro=False).drive(0.25, 0.0, 4).pose_covariance
+    assert math.degrees(math.sqrt(covariance[2, 2])) == pytest.approx(1.81, rel=0.05)
+
+
 @pytest.mark.parametrize(("with_gyro", "degrees"), [(True, 1.44), (False, 10.2)])
 def test_how_sure_a_full_turn_is(with_gyro, degrees):
     covariance = Base(with_gyro=with_gyro).drive(0.0, math.tau / 10, 10).pose_covariance
@@ -38,3 +43,9 @@ def test_the_twist_is_as_sure_as_its_rounding_and_its_speed():
     assert blind == pytest.approx((0.00123, 0.01, 0.0107), rel=0.01)
     fast = np.sqrt(np.diag(Base().drive(0.5, 1.0, 1).twist_covariance))
     assert fast == pytest.approx((0.0101, 0.01, 0.0106), rel=0.05)
+    slipping = np.sqrt(np.diag(Base(with_gyro=False).drive(0.0, 1.0, 1).twist_covariance))
+    assert slipping[2] == pytest.approx(0.051, rel=0.05)
+
+
+def test_before_the_first_step_it_may_be_as_fast_as_it_can_be():
+    assert np.sqrt(np.diag(Base().report().twist_covariance)) == pytest.approx((0.7, 0.01, 2.0))

@@ -127,10 +127,15 @@ def test_a_packet_may_hold_any_number_of_samples(samples):
     assert [round(math.degrees(each.y) / 0.00875) for each in decode(payload).gyro.samples] == list(range(samples))
 
 
-def test_the_inputs():
-    found = decode(sub_payload(16, "<5H6x", 0x4A, 4095, 0, 2048, 1)).gp_input
-    assert found.digital == (False, True, False, True)
-    assert found.analog == pytest.approx((3.3, 0.0, 1.6504, 0.0008), abs=1e-4)
+@pytest.mark.parametrize("bit", range(16))
+def test_each_digital_input_has_its_bit(bit):
+    found = decode(sub_payload(16, "<5H6x", 1 << bit, 0, 0, 0, 0)).gp_input
+    assert found.digital == tuple(bit == number for number in range(4))
+
+
+def test_the_analog_inputs():
+    found = decode(sub_payload(16, "<5H6x", 0, 4095, 1365, 2048, 1)).gp_input
+    assert found.analog == pytest.approx((3.3, 1.1, 1.6504, 0.0008), abs=1e-4)
 
 
 def test_the_gains():
@@ -231,6 +236,10 @@ def test_nothing_is_lost_beside_what_cannot_be_read(parts):
 def test_no_payload_raises(payload):
     found = decode(payload)
     assert all(each.why for each in found.skipped)
+
+
+def test_a_sub_payload_without_data_may_be_the_last():
+    assert decode(core(77) + bytes([99, 0])).skipped == ((99, "unknown id"),)
 
 
 def test_a_later_sub_payload_counts():

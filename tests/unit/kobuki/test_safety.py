@@ -138,7 +138,7 @@ def test_it_is_as_fast_as_it_can_brake_from(far, asked):
 
 
 def test_slowing_down_keeps_the_curvature():
-    decision = Drive(ranges=0.85).steady(0.6, 0.3)
+    decision = Drive(ranges=0.8).steady(0.7, 0.35)
     assert decision.rule == "obstacle"
     assert decision.allowed.angular / decision.allowed.linear == pytest.approx(0.5)
 
@@ -153,6 +153,7 @@ def test_speeds_are_limited_on_the_same_arc():
 
 def test_accelerations_are_limited_and_the_arc_is_kept_from_the_start():
     drive, before = Drive(), REST
+    drive.tick(0.0)
     for _ in range(100):
         now = drive.tick(0.3, 1.2).allowed
         assert now.linear - before.linear <= 0.5 * TICK + 1e-9
