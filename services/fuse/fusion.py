@@ -52,7 +52,7 @@ def _beams(scan: LaserScan, otherwise: Evidence) -> Beams:
 
 
 def _resampled(source: ExtraInput, scan: LaserScan, grid: Grid) -> Ranges:
-    valid = (scan.ranges >= scan.range_min) & (scan.ranges <= scan.range_max)
+    valid = (scan.ranges >= scan.range_min) & (scan.ranges <= scan.range_max) & (scan.ranges > 0.0)  # 0: no return
     ranges = np.where(valid, scan.ranges, np.float32(np.nan))
     return resample(
         ranges, scan.grid().angles(), scan.angle_increment, (source.x, source.y, math.radians(source.yaw)), grid

@@ -9,6 +9,9 @@ from common.geometry import Floats
 from common.grid import Grid
 
 
+ROUNDING = 1e-9  # [rad]
+
+
 def resample(ranges: Ranges, angles: Floats, increment: float, pose: tuple[float, float, float], grid: Grid) -> Ranges:
     """Ranges [m] on `grid` of what a scanner at `pose` (x, y [m], yaw [rad]) measured: (beams,); +inf elsewhere.
 
@@ -27,7 +30,7 @@ def resample(ranges: Ranges, angles: Floats, increment: float, pose: tuple[float
 def _nearest(distance: Floats, right: Floats, left: Floats, grid: Grid) -> Ranges:
     """The nearest of the arcs at `distance` [m] from azimuth `right` to `left` [rad], in each beam."""
     first = np.maximum(grid.beam_of(right), 0)
-    last = np.minimum(grid.beam_of(left), grid.beams - 1)
+    last = np.minimum(grid.beam_of(left - ROUNDING), grid.beams - 1)  # an arc that ends where a beam begins misses it
     seen = (first <= last) & (left - right < np.pi)  # an arc across the back of the robot seems to go all round
     counts = (last - first + 1)[seen]
     starts = np.cumsum(counts) - counts

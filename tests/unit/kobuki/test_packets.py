@@ -63,6 +63,21 @@ def test_the_flags_of_both_wheels_are_numbered_differently():
     assert (right.wheel_drop, right.overcurrent) == (WheelDrop.RIGHT, Overcurrent.RIGHT)
 
 
+@pytest.mark.parametrize(
+    ("kind", "names"),
+    [
+        (Bumper, "RIGHT CENTRE LEFT"),
+        (WheelDrop, "RIGHT LEFT"),
+        (Cliff, "RIGHT CENTRE LEFT"),
+        (Button, "B0 B1 B2"),
+        (Overcurrent, "LEFT RIGHT"),
+        (DockSignal, "NEAR_LEFT NEAR_CENTRE NEAR_RIGHT FAR_CENTRE FAR_LEFT FAR_RIGHT"),
+    ],
+)
+def test_flags_are_numbered_from_the_lowest_bit(kind, names):
+    assert {flag.name: flag.value for flag in kind} == {name: 1 << bit for bit, name in enumerate(names.split())}
+
+
 def test_bits_without_a_meaning_are_no_news():
     found = decode(core(bumper=0xF8, drop=0xFC, cliff=0xF8, buttons=0xF8, over=0xFC)).core
     assert not any((found.bumper, found.wheel_drop, found.cliff, found.buttons, found.overcurrent))
@@ -144,31 +159,6 @@ def test_the_gains():
     assert [str(each) for each in decode(sub_payload(21, "<B3I", 2, 0, 0, 0)).skipped] == [
         "sub-payload 21: gains of type 2, expected 0 (factory) or 1 (user)"
     ]
-
-
-@pytest.mark.parametrize(
-    ("ident", "data", "version"),
-    [
-        (10, "04000100", "1.0.4"),
-        (11, "00020100", "1.2.0"),
-        (10, "6800", "1.0.4"),
-        (11, "7b00", "1.0.0"),
-        (11, "6e00", "1.1.0"),
-        (11, "7427", "1.1.0"),
-        (11, "6f00", "1.1.1"),
-        (11, "7527", "1.1.1"),
-    ],
-)
-def test_versions(ident, data, version):
-    found = decode(bytes([ident, len(data) // 2]) + bytes.fromhex(data))
-    assert str(found.hardware or found.firmware) == version
-    assert (found.hardware is None) == (ident == 11)
-
-
-def test_an_unheard_of_version_code_is_no_version():
-    found = decode(bytes.fromhex("0b02c800"))
-    assert found.firmware is None
-    assert "version code 200, expected one of 110, 111, 123, 10100, 10101" in found.skipped[0].why
 
 
 @pytest.mark.parametrize("samples", [2, 3])

@@ -2,6 +2,7 @@
 
 import pytest
 
+from services.kobuki.packets import decode
 from services.kobuki.versions import UNTOLD, Version, advice, has_gains, refusal
 
 HARDWARE = Version(1, 0, 4)
@@ -50,3 +51,28 @@ def test_advice(firmware, what):
 def test_gains_came_with_1_2():
     assert not has_gains(Version(1, 1, 9))
     assert has_gains(Version(1, 2, 0))
+
+
+@pytest.mark.parametrize(
+    ("ident", "data", "version"),
+    [
+        (10, "04000100", "1.0.4"),
+        (11, "00020100", "1.2.0"),
+        (10, "6800", "1.0.4"),
+        (11, "7b00", "1.0.0"),
+        (11, "6e00", "1.1.0"),
+        (11, "7427", "1.1.0"),
+        (11, "6f00", "1.1.1"),
+        (11, "7527", "1.1.1"),
+    ],
+)
+def test_a_version_is_read_from_four_bytes_or_an_old_code(ident, data, version):
+    found = decode(bytes([ident, len(data) // 2]) + bytes.fromhex(data))
+    assert str(found.hardware or found.firmware) == version
+    assert (found.hardware is None) == (ident == 11)
+
+
+def test_an_unheard_of_version_code_is_no_version():
+    found = decode(bytes.fromhex("0b02c800"))
+    assert found.firmware is None
+    assert "version code 200, expected one of 110, 111, 123, 10100, 10101" in found.skipped[0].why

@@ -1,0 +1,78 @@
+"""A world that does not move, and wheels that obey late and brake weakly, for tests of the gate."""
+
+import math
+from collections import deque
+
+import numpy as np
+
+from services.kobuki.ground import Pose
+from services.kobuki.safety import REST
+
+TICK = 0.02  # [s]
+SUBSTEPS = 4
+BRAKE = 0.6  # [m/s²]
+RADIUS = 0.18  # [m]
+BLIND = 0.75  # [m]
+RANGE_MAX = 4.0
+ANGLES = np.radians(np.linspace(-29, 29, 160))
+
+
+class World:
+    """What is there."""
+
+    def __init__(self, voids, posts):
+        self.voids = [(math.cos(way), math.sin(way), distance) for way, distance in voids]
+        self.posts = [((far + size) * math.cos(way), (far + size) * math.sin(way), size) for way, far, size in posts]
+
+    def ranges(self, camera):
+        """What each beam shows, inf for nothing."""
+        dx, dy = np.cos(camera.theta + ANGLES), np.sin(camera.theta + ANGLES)
+        ranges = np.full(len(ANGLES), np.inf)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            for nx, ny, distance in self.voids:
+                room, closing = distance - (nx * camera.x + ny * camera.y), nx * dx + ny * dy
+                ranges = np.minimum(ranges, np.where(closing > 1e-9, np.maximum(room / closing, BLIND), np.inf))
+            for x, y, size in self.posts:
+                along = dx * (x - camera.x) + dy * (y - camera.y)
+                aside = dx * (y - camera.y) - dy * (x - camera.x)
+                begins = along - np.sqrt(size**2 - aside**2)
+                ranges = np.where(begins >= BLIND, np.fmin(ranges, begins), ranges)
+        return np.where(ranges <= RANGE_MAX, ranges, np.inf)
+
+    def depth_in_void(self, pose):
+        """How far [m] the disc reaches into a void; negative for not at all."""
+        return max((nx * pose.x + ny * pose.y + RADIUS - far for nx, ny, far in self.voids), default=-math.inf)
+
+
+class Wheels:
+    """A base that does what it is told `dead` seconds later, speeds up at once, and brakes slowly on its arc."""
+
+    def __init__(self, dead):
+        self.dead = dead
+        self.sent = deque([(-math.inf, REST)])
+        self.speed = self.curvature = self.turning = 0.0
+
+    def tell(self, now, twist):
+        self.sent.append((now, twist))
+
+    def step(self, pose, now, seconds):
+        while len(self.sent) > 1 and self.sent[1][0] + self.dead <= now:
+            self.sent.popleft()
+        linear, angular = self.sent[0][1]
+        self._drive(linear, seconds)
+        if linear == 0.0 == angular or (linear * self.speed > 0 and abs(angular / linear - self.curvature) < 0.1):
+            self.turning = self.curvature * self.speed
+        else:
+            self.turning = angular
+            self.curvature = angular / self.speed if self.speed else 0.0
+        middle = pose.theta + self.turning * seconds / 2
+        way = self.speed * seconds
+        theta = pose.theta + self.turning * seconds
+        return Pose(pose.x + way * math.cos(middle), pose.y + way * math.sin(middle), theta)
+
+    def _drive(self, wanted, seconds):
+        if wanted * self.speed >= 0 and abs(wanted) >= abs(self.speed):
+            self.speed = wanted
+        else:
+            braked = max(abs(self.speed) - BRAKE * seconds, abs(wanted) if wanted * self.speed > 0 else 0.0)
+            self.speed = math.copysign(braked, self.speed)
