@@ -8,7 +8,6 @@ from common.combine import Ranges
 from common.geometry import Floats
 from common.grid import Grid
 
-
 ROUNDING = 1e-9  # [rad]
 
 
