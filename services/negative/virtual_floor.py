@@ -6,13 +6,12 @@ import numpy as np
 from numba import njit
 
 from common.combine import Ranges
-from common.geometry import Floats
-from common.points import Columns
+from common.points import Columns, Metres
 
 
 @njit(cache=True)
 def virtual_floor(
-    heights: Floats, distances: Floats, first: Columns, end: Columns, floor_band: float, camera_height: float
+    heights: Metres, distances: Metres, first: Columns, end: Columns, floor_band: float, camera_height: float
 ) -> Ranges:
     """Range [m] of the nearest point below the floor, moved along its ray up to the floor: (beams,).
 
