@@ -44,7 +44,7 @@ class Child:
     def poll(self, now: float) -> None:
         """Start it again when it has died and its delay is over. Raises ConfigRefused."""
         code = self._process.poll()
-        if code is None or code == 0:
+        if code is None or self.finished:
             return
         if code == CONFIG_REFUSED:
             raise ConfigRefused(self.name)
