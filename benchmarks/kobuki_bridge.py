@@ -3,7 +3,8 @@
     python -m benchmarks.kobuki_bridge [--commands 500]
 
 The base is emulated here, so that its clock is ours: latency runs from put() to the bytes that tell the new speed. Each
-command asks for 1 mm/s less than the one before, which the gate passes at once, and comes with a fused scan.
+command asks for 1 mm/s less than the one before, which the gate passes at once, and comes with a fused scan. A first
+run is made while nobody listens to the base, a second one while somebody listens to odometry, state and gyro.
 """
 
 from __future__ import annotations
@@ -18,6 +19,7 @@ import time
 import uuid
 from pathlib import Path
 from queue import Queue
+from typing import NamedTuple
 
 import numpy as np
 import psutil
@@ -40,7 +42,7 @@ FREE = np.full(640, 4.0, np.float32)
 
 
 def main() -> None:
-    """Run once and print."""
+    """Run both and print."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--commands", type=int, default=500)
     options = parser.parse_args()
@@ -59,7 +61,11 @@ def main() -> None:
         try:
             if not alive.wait(20.0):
                 raise SystemExit("kobuki does not come to life")
-            show(*measure(bus, heard, psutil.Process(service.pid), options.commands))
+            alone = measure(bus, heard, psutil.Process(service.pid), options.commands)
+            for topic in (topics.ODOMETRY, topics.BASE_STATE, topics.IMU):
+                bus.subscribe(topic.path, lambda path, payload: None)  # noqa: ARG005
+            followed = measure(bus, heard, psutil.Process(service.pid), options.commands)
+            show({"nobody": alone, "somebody": followed})
         finally:
             service.terminate()
             service.wait()
@@ -86,10 +92,16 @@ def live(link: Path, heard: Queue[tuple[float, int]], ended: threading.Event) ->
     cable.close()
 
 
-def measure(
-    bus: Bus, heard: Queue[tuple[float, int]], process: psutil.Process, commands: int
-) -> tuple[list[float], float, float]:
-    """Latencies [s], the share of a core, and the resident memory [MiB]."""
+class Result(NamedTuple):
+    """What one run gave."""
+
+    latencies: list[float]  # [s]
+    share: float  # of a core
+    memory: float  # [MiB] resident
+
+
+def measure(bus: Bus, heard: Queue[tuple[float, int]], process: psutil.Process, commands: int) -> Result:
+    """Drive the robot for some commands."""
     velocity, fused = bus.publisher(topics.VELOCITY), bus.publisher(topics.SCAN_FUSED)
     latencies: list[float] = []
     began, used = time.perf_counter(), cpu(process)
@@ -104,7 +116,7 @@ def measure(
             latencies.append(when(heard, int(1000.0 * speed)) - sent)
         time.sleep(max(0.0, PERIOD - (time.perf_counter() - sent)))
     seconds = time.perf_counter() - began
-    return latencies, (cpu(process) - used) / seconds, process.memory_info().rss / 2**20
+    return Result(latencies, (cpu(process) - used) / seconds, process.memory_info().rss / 2**20)
 
 
 def when(heard: Queue[tuple[float, int]], speed: int) -> float:
@@ -140,13 +152,15 @@ def cpu(process: psutil.Process) -> float:
     return times.user + times.system
 
 
-def show(latencies: list[float], share: float, memory: float) -> None:
-    """Print the figures."""
+def show(results: dict[str, Result]) -> None:
+    """Print the figures, by who listens."""
     table = Table(title="command to serial bytes", title_justify="left")
+    table.add_column("listens")
     for heading in ("commands", "p50 ms", "p99 ms", "max ms", "CPU % of a core", "resident MiB"):
         table.add_column(heading, justify="right")
-    spread = (f"{1e3 * value:.2f}" for value in np.percentile(latencies, (50, 99, 100)))
-    table.add_row(str(len(latencies)), *spread, f"{100 * share:.1f}", f"{memory:.0f}")
+    for listens, (latencies, share, memory) in results.items():
+        spread = (f"{1e3 * value:.2f}" for value in np.percentile(latencies, (50, 99, 100)))
+        table.add_row(listens, str(len(latencies)), *spread, f"{100 * share:.1f}", f"{memory:.0f}")
     Console().print(table)
 
 

@@ -74,6 +74,12 @@ class Publisher(Generic[M]):
     def __init__(self, publisher: zenoh.Publisher) -> None:
         self._publisher = publisher
 
+    @property
+    def heard(self) -> bool:
+        """Whether anybody listens: what nobody hears need not be made."""
+        status: Any = self._publisher.matching_status  # a MatchingStatus, whatever zenoh's stubs say
+        return bool(status.matching)
+
     def put(self, message: M) -> None:
         """Send a message; it is dropped where a link is full."""
         self._publisher.put(message.encode())

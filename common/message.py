@@ -7,7 +7,7 @@ from typing import Annotated, Any, Self, TypeAlias
 import msgpack
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, PlainValidator, ValidationError
+from pydantic import BaseModel, ConfigDict, Field, PlainValidator, ValidationError
 
 TOLD = 3  # faults that are told of one message
 LONGEST = 200  # characters of each
@@ -65,7 +65,7 @@ def _little_endian(dtype: str) -> PlainValidator:
 Float32s: TypeAlias = Annotated[NDArray[np.float32], _little_endian("<f4")]
 UInt64: TypeAlias = Annotated[int, Field(ge=0, lt=2**64)]
 Stamp: TypeAlias = Annotated[int, Field(ge=0, lt=2**63)]  # [ns] since the Unix epoch
-ListAsTuple = BeforeValidator(lambda value: tuple(value) if isinstance(value, list) else value)
+ListAsTuple = Field(strict=False)  # for a tuple, since msgpack knows lists only; what it holds stays strict
 
 
 class Message(BaseModel):
@@ -82,8 +82,7 @@ class Message(BaseModel):
 
     def encode(self) -> bytes:
         """The msgpack map; arrays become little-endian `bin`."""
-        fields = {name: getattr(self, name) for name in type(self).model_fields}
-        payload: bytes = msgpack.packb(fields, default=np.ndarray.tobytes)
+        payload: bytes = msgpack.packb(self.__dict__, default=np.ndarray.tobytes)
         return payload
 
     @classmethod

@@ -10,6 +10,7 @@ import sys
 import threading
 import time
 from collections.abc import Callable, Iterator
+from functools import cache
 from importlib.metadata import PackageNotFoundError, version
 from types import FrameType
 from typing import Generic, TypeVar
@@ -141,6 +142,7 @@ class Service(Generic[C]):
         )
 
 
+@cache  # each look-up reads files, and the status tells it every second
 def package_version() -> str:
     """The installed version, or `source` when run from a plain checkout."""
     try:

@@ -18,30 +18,66 @@ ANGLES = np.radians(np.linspace(-29, 29, 160))
 
 
 class World:
-    """What is there."""
+    """What is there around a robot: voids, each the bearing [rad] and distance [m] of its edge, and round posts."""
 
-    def __init__(self, voids, posts):
-        self.voids = [(math.cos(way), math.sin(way), distance) for way, distance in voids]
-        self.posts = [((far + size) * math.cos(way), (far + size) * math.sin(way), size) for way, far, size in posts]
+    def __init__(self, voids, posts, middle):
+        self.drawn = voids, posts
+        voids = [(way + middle.theta, far) for way, far in voids]
+        posts = [(way + middle.theta, far, size) for way, far, size in posts]
+        self.voids = [
+            (math.cos(way), math.sin(way), far + math.cos(way) * middle.x + math.sin(way) * middle.y)
+            for way, far in voids
+        ]
+        self.posts = [
+            (middle.x + (far + size) * math.cos(way), middle.y + (far + size) * math.sin(way), size)
+            for way, far, size in posts
+        ]
 
-    def ranges(self, camera):
-        """What each beam shows, inf for nothing."""
+    def ranges(self, camera, dark=False):
+        """What each beam shows, inf for nothing; where it is dark in the voids, nan for the floor that is missing."""
         dx, dy = np.cos(camera.theta + ANGLES), np.sin(camera.theta + ANGLES)
         ranges = np.full(len(ANGLES), np.inf)
         with np.errstate(divide="ignore", invalid="ignore"):
             for nx, ny, distance in self.voids:
                 room, closing = distance - (nx * camera.x + ny * camera.y), nx * dx + ny * dy
                 ranges = np.minimum(ranges, np.where(closing > 1e-9, np.maximum(room / closing, BLIND), np.inf))
+            if dark:
+                ranges[ranges < RANGE_MAX] = np.nan
             for x, y, size in self.posts:
                 along = dx * (x - camera.x) + dy * (y - camera.y)
                 aside = dx * (y - camera.y) - dy * (x - camera.x)
                 begins = along - np.sqrt(size**2 - aside**2)
-                ranges = np.where(begins >= BLIND, np.fmin(ranges, begins), ranges)
-        return np.where(ranges <= RANGE_MAX, ranges, np.inf)
+                ranges = np.where(begins >= BLIND, np.minimum(ranges, begins), ranges)
+        return np.where(ranges > RANGE_MAX, np.inf, ranges)
 
     def depth_in_void(self, pose):
         """How far [m] the disc reaches into a void; negative for not at all."""
         return max((nx * pose.x + ny * pose.y + RADIUS - far for nx, ny, far in self.voids), default=-math.inf)
+
+    def way_to(self, which, pose):
+        """The heading [rad] from `pose` to an edge or a post, whichever has that number."""
+        which %= len(self.voids) + len(self.posts)
+        if which < len(self.voids):
+            return math.atan2(self.voids[which][1], self.voids[which][0])
+        x, y, _ = self.posts[which - len(self.voids)]
+        return math.atan2(y - pose.y, x - pose.x)
+
+    def room(self, pose, heading):
+        """How far [m] the disc can go straight on."""
+        dx, dy = math.cos(heading), math.sin(heading)
+        rooms = [RANGE_MAX]
+        for nx, ny, far in self.voids:
+            if nx * dx + ny * dy > 0.01:
+                rooms.append((far - RADIUS - nx * pose.x - ny * pose.y) / (nx * dx + ny * dy))
+        for x, y, size in self.posts:
+            along = dx * (x - pose.x) + dy * (y - pose.y)
+            if along > 0 and abs(dx * (y - pose.y) - dy * (x - pose.x)) < size + RADIUS + 0.1:
+                rooms.append(along - size - RADIUS)
+        return min(rooms)
+
+    def open_way(self, pose):
+        """The heading [rad] with the most room."""
+        return max((pose.theta + turn * math.pi / 8 for turn in range(16)), key=lambda way: self.room(pose, way))
 
 
 class Wheels:

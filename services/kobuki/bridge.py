@@ -1,19 +1,17 @@
 """Between the network and the base: all that happens, happens in one thread, one thing after another.
 
-Whatever comes, bytes of the base, a command, a scan or a request, is put into one inbox as a job; a turn does the next
-job and then what is due. So nothing here needs a lock, and a decision always follows from all that came before it.
+A command, a scan or a request is put in as a job. A turn waits for a job or for bytes of the base, takes in what there
+is, and does what is due. So nothing here needs a lock, and a decision always follows from all that came before it.
 """
 
 from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable
 from concurrent.futures import Future
 
 from common import topics
 from common.base_messages import Velocity
-from common.inbox import Inbox
 from common.messages import LaserScan
 from common.service import Service
 from services.kobuki import commands, reports
@@ -23,6 +21,8 @@ from services.kobuki.frames import FrameParser
 from services.kobuki.ground import Pose
 from services.kobuki.handshake import Handshake
 from services.kobuki.history import PoseHistory
+from services.kobuki.jobs import Job, Jobs
+from services.kobuki.news import News
 from services.kobuki.odometry import Odometry
 from services.kobuki.outlets import Outlets
 from services.kobuki.packets import Feedback, decode
@@ -30,11 +30,11 @@ from services.kobuki.port import Port, PortLost
 from services.kobuki.safety import Decision, Safety, Scan, Twist
 from services.kobuki.versions import has_gains
 
-TICK = 0.02  # [s] between decisions when the base is silent
+TICK = 0.03  # [s] between decisions when the base is silent; it is not while it sends its packet every 0.02 s
+BEAT = 0.05  # [s] between two heartbeats for the guard
 SILENT = 0.5  # [s] without news of the base
 REPORT = 1.0  # [s] between two reports of an unchanged rule
 BACK_OFF = (0.5, 8.0)  # [s] before the first and, doubled each time, before a later attempt to open the port
-ROOM = 1024  # jobs that may wait
 
 
 class Bridge:
@@ -43,20 +43,19 @@ class Bridge:
     def __init__(self, service: Service[KobukiConfig]) -> None:
         self._service = service
         self._config = service.config
-        self._jobs: Inbox[Callable[[], None]] = Inbox(ROOM)
+        self._jobs = Jobs()
         self._port: Port | None = None
         self._delay, self._retry_at = BACK_OFF[0], -math.inf
-        self._odometry, self._shown = Odometry(), Odometry()  # for the gate, and for the world, which may reset it
+        self._odometry = Odometry()  # for the world, which may reset it
+        self._origin = Pose(0.0, 0.0, 0.0)  # where it was reset, in the gate's frame, which never jumps
         self._history = PoseHistory()
         self._safety = Safety(service.config, Pose(0.0, 0.0, 0.0))
         self._outlets = Outlets(self._write)
         self._gains = GainsDesk(self._write)
         self._decided_at = self._reported_at = self._beaten_at = -math.inf
         self._reported: tuple[object, ...] = ()
+        self._news = News(service)
         self._begin()
-        self._odom = service.publisher(topics.ODOMETRY)
-        self._state = service.publisher(topics.BASE_STATE)
-        self._imu = service.publisher(topics.IMU)
         self._said = service.publisher(topics.SAFETY)
 
     def listen(self) -> None:
@@ -76,10 +75,12 @@ class Bridge:
         for name, reply in replies.items():
             self._service.bus.answer(topics.command(name), Desk(self._put, reply))
 
-    def turn(self, timeout: float = TICK) -> None:
-        """Do the next job, if one comes within `timeout` [s], and what is due."""
-        job = self._jobs.get(timeout)
+    def turn(self) -> None:
+        """Take in what comes within a tick, do the next job, and what is due."""
         try:
+            if self._jobs.wait(self._port, TICK) and self._port:
+                self._bytes(self._port.read())
+            job = self._jobs.take()
             if job:
                 job()
             self._due(time.monotonic())
@@ -100,14 +101,15 @@ class Bridge:
 
     def _begin(self) -> None:
         """Know nothing of the base."""
-        self._parser, self._handshake, self._report = FrameParser(), Handshake(), reports.StateReport()
+        self._parser, self._handshake = FrameParser(), Handshake()
+        self._news.begin()
         self._heard_at = -math.inf
 
     def _open(self, now: float) -> None:
         if now < self._retry_at:
             return
         self._begin()
-        self._port = Port(self._config.port, lambda data: self._put(lambda: self._bytes(data)))
+        self._port = Port(self._config.port)
         self._heard_at = now
 
     def _lose(self, why: str) -> None:
@@ -120,7 +122,6 @@ class Bridge:
         self._delay = min(2 * self._delay, BACK_OFF[1])
         self._safety.lose_base()
         self._odometry.rebaseline("the port was opened anew")
-        self._shown.rebaseline("the port was opened anew")
 
     def _write(self, data: bytes) -> None:
         if not self._port or not self._handshake.accepted:
@@ -129,13 +130,11 @@ class Bridge:
 
     # ---- what comes
 
-    def _put(self, job: Callable[[], None]) -> None:
+    def _put(self, job: Job) -> None:
         if not self._jobs.put(job):
             self._service.tally.complain("overtaken", "more comes than can be done")
 
     def _bytes(self, data: bytes) -> None:
-        if not data:
-            raise PortLost(f"{self._config.port}: the base was unplugged")
         bad = self._parser.counts.bad_checksums
         for payload in self._parser.feed(data):
             self._packet(decode(payload), time.time_ns(), time.monotonic())
@@ -153,19 +152,14 @@ class Bridge:
             return
         self._heard_at = now
         estimate = self._odometry.update(feedback.core, feedback.inertia, now)
-        pose = Pose(*estimate.pose)
+        pose = self._origin.then(Pose(*estimate.pose))
         if estimate.new_baseline:
             self._service.tally.complain("baseline", estimate.new_baseline)
             self._safety.restart(pose)
         self._history.add(stamp, pose)
         self._safety.sense(feedback.core, pose)
         self._decide(now)
-        self._odom.put(reports.odometry(self._shown.update(feedback.core, feedback.inertia, now), stamp))
-        self._state.put(self._report.update(feedback, feedback.core, stamp))
-        imu = reports.imu(feedback, stamp)
-        if imu:
-            self._imu.put(imu)
-        self._service.tally.output(stamp)
+        self._news.tell(feedback, feedback.core, estimate, stamp)
 
     def _accept(self) -> None:
         """The base told its firmware."""
@@ -197,7 +191,7 @@ class Bridge:
         if not self._port:
             self._open(now)
             return
-        if now - self._beaten_at >= TICK:
+        if now - self._beaten_at >= BEAT:
             self._beaten_at = now
             self._port.beat()
         if now - self._heard_at > SILENT:
@@ -244,5 +238,6 @@ class Bridge:
         return done("cleared")
 
     def _reset(self, _: Answer) -> Answer:
-        self._shown.reset()
+        self._origin = self._origin.then(Pose(*self._odometry.pose))
+        self._odometry.reset()
         return done("here is the origin")

@@ -15,6 +15,7 @@ from services.kobuki.sensors import Gains, GainSet
 
 BASE_CONTROL, SOUND, SOUND_SEQUENCE, REQUEST, GP_OUTPUT, SET_GAINS, GET_GAINS = 1, 3, 4, 9, 12, 13, 14
 
+SPEED_AND_RADIUS = Struct("<2h")  # made once: it is packed at every decision
 HARDWARE, FIRMWARE, UDID = 1, 2, 8  # what can be requested
 NOTE_PERIOD = 0.00000275  # [s], of which a note's period is a multiple
 LONGEST_NOTE = 0.255  # [s]
@@ -88,7 +89,7 @@ class Outputs(NamedTuple):
 
 def base_control(linear: float, angular: float) -> bytes:
     """Drive at `linear` [m/s] and `angular` [rad/s]. Raises ValueError where one is no number."""
-    return _command(BASE_CONTROL, Struct("<2h"), *speed_and_radius(linear, angular))
+    return _command(BASE_CONTROL, SPEED_AND_RADIUS, *speed_and_radius(linear, angular))
 
 
 def sound(frequency: float, duration: float) -> bytes:

@@ -12,8 +12,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from services.kobuki.view import sector, seen_past
+
 Floats = NDArray[np.float64]
-Cells = NDArray[np.int64]
+States = NDArray[np.int8]
 
 CELL = 0.04  # [m]
 HALF_CELL = CELL * math.sqrt(0.5)  # [m] from a cell's middle to its corners
@@ -24,18 +26,6 @@ WIDEST = math.radians(80.0)  # a scan is taken in that far to either side
 
 UNKNOWN, FREE, OCCUPIED = range(3)
 TOUCHED = 4  # added to any of them: forgiving a touch must not forget what was seen there
-
-
-def _disc(radius: float) -> tuple[Cells, Floats]:
-    """Cells around the one in the middle: offsets (2, n), the nearest first, and their distances [m]."""
-    span = np.arange(-math.ceil(radius / CELL), math.ceil(radius / CELL) + 1)
-    offsets = np.stack(np.meshgrid(span, span, indexing="ij"), axis=-1).reshape(-1, 2)
-    distances = np.hypot(*offsets.T) * CELL
-    order = np.argsort(distances, kind="stable")
-    return np.ascontiguousarray(offsets[order].T), distances[order]
-
-
-OFFSETS, DISTANCES = _disc(LOOK + CELL)
 
 
 class Pose(NamedTuple):
@@ -59,35 +49,42 @@ class Pose(NamedTuple):
 
     def then(self, other: Pose) -> Pose:
         """The pose that is `other` seen from this one."""
-        x, y = self.to_world(np.array([other.x, other.y]))
-        return Pose(float(x), float(y), self.theta + other.theta)
+        cos, sin = math.cos(self.theta), math.sin(self.theta)
+        x, y = cos * other.x - sin * other.y, sin * other.x + cos * other.y
+        return Pose(self.x + x, self.y + y, self.theta + other.theta)
 
 
 class Ground:
-    """A square of cells around the robot that wanders with it: cell (i, j) of the world is kept at (i, j) mod CELLS.
+    """A square of cells with the robot in the middle one; what leaves the square is forgotten.
 
     `start_free` [m] around the place where it begins counts as free: somebody put the robot there.
     """
 
     def __init__(self, pose: Pose, start_free: float) -> None:
         self._state = np.full((CELLS, CELLS), UNKNOWN, np.int8)
-        self._centre = _cell(np.array([pose.x, pose.y]))
-        self._set(self._covered(pose, start_free), UNKNOWN, FREE)
+        self._corner = (0, 0)  # the number, among all cells of the world, of the square's first
+        self.follow(pose, start_free)
 
     def begin_again(self, pose: Pose, start_free: float) -> None:
         """Nobody knows what happened since: what was free may not be, what was in the way may still be."""
         self._state[self._state == FREE] = UNKNOWN
-        self._set(self._covered(pose, start_free), UNKNOWN, FREE)
+        self.follow(pose, start_free)
+
+    def forget(self) -> None:
+        """The robot was carried: nothing that was seen or felt says anything of where it stands now."""
+        self._state[:] = UNKNOWN
 
     def follow(self, pose: Pose, radius: float) -> None:
         """The robot is at `pose` now: its disc of `radius` [m] stands on floor, and what is far is forgotten.
 
         Not a cell more is freed than the disc covers: else the robot would creep ahead on floor nobody has seen.
         """
-        centre = _cell(np.array([pose.x, pose.y]))
-        for axis in (0, 1):
-            self._forget(axis, int(centre[axis]))
-        self._set(self._covered(pose, radius), UNKNOWN, FREE)
+        self._move(math.floor(pose.x / CELL) - CELLS // 2, math.floor(pose.y / CELL) - CELLS // 2)
+        near = self._window(pose.x, pose.y, radius)
+        dx, dy = self._offsets(near, pose)
+        covered = (dx * dx)[:, None] + dy * dy < radius * radius
+        cells = self._state[near]
+        cells[covered & (cells == UNKNOWN)] = FREE
 
     def see(self, ranges: Floats, angles: Floats, range_max: float, pose: Pose, blind: float) -> None:
         """Take in a scan made at `pose`: ranges (beams,) [m] as REP-117 has them, at evenly spaced angles [rad].
@@ -97,15 +94,12 @@ class Ground:
         floor behind it, for a hole that begins unseen is first reported at `blind`.
         """
         if len(angles) > 1:
-            cells, distances, azimuths = self._ahead(pose, min(max(-angles[0], angles[-1]), WIDEST))
             beyond = np.where(np.isnan(ranges), 0.0, np.minimum(ranges, range_max))
-            least = _least_between(beyond, *_crossing(distances, azimuths, angles))
-            self._set(cells[:, least > np.maximum(distances, blind) + HALF_CELL], UNKNOWN, FREE)
-            seen = distances >= blind + HALF_CELL  # all of the cell
-            self._set(cells[:, seen & (least > distances + HALF_CELL)], OCCUPIED, FREE)
-        near = np.isfinite(ranges) & (ranges <= 2.0 * MEMORY)
-        hits = ranges[near] * np.stack([np.cos(angles[near]), np.sin(angles[near])])
-        self.occupy(pose.to_world(hits))
+            self._free(beyond, angles, pose, blind)
+        near = np.flatnonzero(np.isfinite(ranges) & (ranges <= 2.0 * MEMORY))
+        if near.size:
+            hits, ways = ranges[near], angles[near]
+            self.occupy(pose.to_world(np.stack([hits * np.cos(ways), hits * np.sin(ways)])))
 
     def occupy(self, points: Floats) -> None:
         """Something is in the way at these points (2, n) [m] of the odometry's frame, as far as they are remembered."""
@@ -122,80 +116,74 @@ class Ground:
         self._state[felt] = np.maximum(self._state[felt] - TOUCHED, FREE)
 
     def not_free(self, pose: Pose, reach: float, unknown_too: bool) -> Floats:
-        """Middles (2, n) [m], in the robot's frame, of the cells within `reach` [m] that are not free."""
-        cells = self._within(pose, reach)
-        state = self._state[tuple(cells % CELLS)]
-        return pose.from_world(_middle(cells[:, (state >= OCCUPIED) | (unknown_too & (state == UNKNOWN))]))
+        """Middles (2, n) [m], in the robot's frame, of the cells that are not free: all within `reach` [m], and more.
 
-    def _places(self, points: Floats) -> tuple[Cells, ...]:
+        To be asked where the robot is, for LOOK at most: the square ends MEMORY away from there.
+        """
+        window = self._window(pose.x, pose.y, reach)
+        cells = self._state[window]
+        there = np.flatnonzero(cells != FREE if unknown_too else cells >= OCCUPIED)
+        x, y = self._seen_from(pose, window)
+        return np.stack([x.ravel()[there], y.ravel()[there]])
+
+    def _free(self, beyond: Floats, angles: Floats, pose: Pose, blind: float) -> None:
+        """Free what beams that go `beyond` [m] cross; what is free already need not be looked at."""
+        side = min(max(-angles[0], angles[-1]), WIDEST)
+        ahead, around = sector(LOOK, side)
+        middle = pose.then(Pose(ahead, 0.0, 0.0))
+        window = self._window(middle.x, middle.y, around)
+        x, y = self._seen_from(pose, window)
+        cells = self._state[window]
+        rows, columns = np.nonzero((np.abs(y) < x * math.tan(side)) & ((cells == UNKNOWN) | (cells == OCCUPIED)))
+        if rows.size:
+            x, y, state = x[rows, columns], y[rows, columns], cells[rows, columns]
+            distances = np.hypot(x, y)
+            least = seen_past(distances, np.arctan2(y, x), HALF_CELL, beyond, angles)
+            free = _shown_free(state, distances, least, blind) & (distances <= LOOK + CELL)
+            cells[rows[free], columns[free]] = FREE
+
+    def _places(self, points: Floats) -> tuple[NDArray[np.int64], ...]:
         """Where the cells of those points (2, n) [m] are kept that lie inside the square."""
-        cells = _cell(points)
-        near = (np.abs(cells - self._centre[:, None]) < CELLS // 2).all(axis=0)
-        return tuple(cells[:, near] % CELLS)
+        cells = np.floor(points / CELL).astype(np.int64) - np.array(self._corner)[:, None]
+        return tuple(cells[:, ((cells >= 0) & (cells < CELLS)).all(axis=0)])
 
-    def _set(self, cells: Cells, old: int, new: int) -> None:
-        place = tuple(cells % CELLS)
-        state = self._state[place]
-        state[state == old] = new
-        self._state[place] = state
+    def _window(self, x: float, y: float, reach: float) -> tuple[slice, slice]:
+        """The part of the square that holds all cells within `reach` [m] of x, y [m]."""
+        half = math.ceil(reach / CELL)
+        row, column = math.floor(x / CELL) - self._corner[0], math.floor(y / CELL) - self._corner[1]
+        first = max(row - half, 0), max(column - half, 0)
+        return slice(first[0], max(row + half + 1, 0)), slice(first[1], max(column + half + 1, 0))
 
-    def _within(self, pose: Pose, reach: float) -> Cells:
-        """World numbers (2, n) of the cells that lie within `reach` [m] (up to LOOK), and perhaps a few beyond."""
-        count = int(np.searchsorted(DISTANCES, reach + CELL, side="right"))
-        return OFFSETS[:, :count] + _cell(np.array([pose.x, pose.y]))[:, None]
+    def _offsets(self, window: tuple[slice, slice], pose: Pose) -> tuple[Floats, Floats]:
+        """How far [m] along the world's x and y the window's rows and columns are from `pose`."""
+        rows, columns = (np.arange(*part.indices(CELLS), dtype=np.float64) for part in window)
+        x, y = (0.5 + self._corner[0]) * CELL - pose.x, (0.5 + self._corner[1]) * CELL - pose.y
+        return rows * CELL + x, columns * CELL + y
 
-    def _covered(self, pose: Pose, radius: float) -> Cells:
-        """World numbers (2, n) of the cells whose middles a disc of `radius` [m] covers."""
-        cells = self._within(pose, radius)
-        x, y = _middle(cells)
-        return cells[:, (x - pose.x) ** 2 + (y - pose.y) ** 2 < radius**2]
+    def _seen_from(self, pose: Pose, window: tuple[slice, slice]) -> tuple[Floats, Floats]:
+        """The middles [m] of a window's cells, ahead and to the left of `pose`: (rows, columns) each."""
+        dx, dy = self._offsets(window, pose)
+        cos, sin = math.cos(pose.theta), math.sin(pose.theta)
+        return (cos * dx)[:, None] + sin * dy, cos * dy - (sin * dx)[:, None]
 
-    def _ahead(self, pose: Pose, side: float) -> tuple[Cells, Floats, Floats]:
-        """The cells in front of a scanner that sees `side` [rad] to either side, their distances [m] and azimuths."""
-        cells = self._within(pose, LOOK)
-        x, y = pose.from_world(_middle(cells))
-        front = np.flatnonzero(np.abs(y) < x * math.tan(side))
-        x, y = x[front], y[front]
-        return cells[:, front], np.hypot(x, y), np.arctan2(y, x)
-
-    def _forget(self, axis: int, to: int) -> None:
-        """Move the square along one axis; the lines that come in are not known."""
-        moved = to - int(self._centre[axis])
-        if moved:
-            edge = to + (CELLS // 2 - 1 if moved > 0 else -CELLS // 2)
-            lines = np.arange(edge, edge - moved, -int(math.copysign(1, moved)))[:CELLS] % CELLS
-            self._state[(lines, slice(None)) if axis == 0 else (slice(None), lines)] = UNKNOWN
-            self._centre[axis] = to
+    def _move(self, row: int, column: int) -> None:
+        """Let the square begin at that cell of the world; what comes in is not known."""
+        down, right = row - self._corner[0], column - self._corner[1]
+        if down or right:
+            before, self._state = self._state, np.full((CELLS, CELLS), UNKNOWN, np.int8)
+            self._state[_kept(-down), _kept(-right)] = before[_kept(down), _kept(right)]
+            self._corner = (row, column)
 
 
-def _cell(points: Floats) -> Cells:
-    return np.floor(points / CELL).astype(np.int64)
+def _shown_free(state: States, distances: Floats, least: Floats, blind: float) -> NDArray[np.bool_]:
+    """Which cells, not known or occupied, beams show to be free that go on to `least` [m]."""
+    all_in_view = distances >= blind + HALF_CELL
+    far_enough = least > np.maximum(distances, blind) + HALF_CELL
+    shown: NDArray[np.bool_] = far_enough & (all_in_view | (state == UNKNOWN))
+    return shown
 
 
-def _middle(cells: Cells) -> Floats:
-    return (cells.astype(np.float64) + 0.5) * CELL
-
-
-def _crossing(distances: Floats, azimuths: Floats, angles: Floats) -> tuple[Cells, Cells]:
-    """First and last beam that touch each cell; beyond the scan's sides first is after last."""
-    increment = angles[1] - angles[0]
-    half = np.arcsin(np.minimum(HALF_CELL / distances, 1.0))
-    first = np.floor((azimuths - half - angles[0]) / increment + 0.5).astype(np.int64)
-    last = np.floor((azimuths + half - angles[0]) / increment + 0.5).astype(np.int64)
-    inside = (first >= 0) & (last < len(angles))
-    return np.where(inside, first, 0), np.where(inside, last, -1)
-
-
-def _least_between(values: Floats, first: Cells, last: Cells) -> Floats:
-    """The least of values[first ... last] for each pair; 0 where there is none. A table of all powers of two."""
-    tables = [values]
-    while 2 ** len(tables) <= len(values):
-        half = 2 ** (len(tables) - 1)
-        tables.append(np.minimum(tables[-1][:-half], tables[-1][half:]))
-    size = last - first + 1
-    level = np.log2(np.maximum(size, 1)).astype(np.int64)
-    least = np.zeros(len(first))
-    for step, table in enumerate(tables):
-        chosen = (level == step) & (size > 0)
-        least[chosen] = np.minimum(table[first[chosen]], table[last[chosen] - 2**step + 1])
-    return least
+def _kept(shift: int) -> slice:
+    """The lines of the square that stay in it when it moves on by `shift`."""
+    shift = min(max(shift, -CELLS), CELLS)
+    return slice(max(shift, 0), CELLS + min(shift, 0))

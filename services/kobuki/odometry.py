@@ -16,15 +16,11 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-import numpy as np
-from numpy.typing import NDArray
-
+from services.kobuki.covariance import Covariance
 from services.kobuki.kinematics import METRES_PER_TICK, WHEEL_SEPARATION
 from services.kobuki.packets import CENTIDEGREE
 from services.kobuki.sensors import Core, Inertia
 from services.kobuki.steps import Discontinuity, Reading, Step, step_between
-
-Matrix = NDArray[np.float64]
 
 LENGTH_BY_LENGTH = 1e-4  # [m² / m]
 GYRO_BY_TURN = 1e-4  # [rad² / rad]
@@ -39,19 +35,19 @@ SPEED_ERROR = 0.02  # of a speed, by the wheels' diameters
 GYRO_ERROR = 0.01  # of an angular velocity, by the gyro's scale
 WHEELS_ERROR = 0.05  # of an angular velocity, by the wheels' slip
 SIDEWAYS = 0.01  # [m/s], of wheels that cannot roll sideways
-UNKNOWN_TWIST = np.diag([0.7, SIDEWAYS, 2.0]) ** 2  # as fast as the base can be
+UNKNOWN_TWIST = Covariance.of_deviations(0.7, SIDEWAYS, 2.0)  # as fast as the base can be
 
 
 class Estimate(NamedTuple):
     """Where the robot is in the odometry frame and how it moves in its own: x forward, y left.
 
-    Covariances: (3, 3), of x, y [m] and theta [rad], and of the velocities along x, y [m/s] and about z [rad/s].
+    Covariances: of x, y [m] and theta [rad], and of the velocities along x, y [m/s] and about z [rad/s].
     """
 
     pose: tuple[float, float, float]  # x, y [m], theta [rad] in -π ... π
     twist: tuple[float, float]  # linear [m/s], angular [rad/s]; mean of the last step
-    pose_covariance: Matrix
-    twist_covariance: Matrix
+    pose_covariance: Covariance
+    twist_covariance: Covariance
     new_baseline: str | None = None  # why this packet's motion could not be told, else None
 
 
@@ -65,7 +61,12 @@ class Odometry:
     def __init__(self) -> None:
         self._before: Reading | None = None
         self._interruption: str | None = None
-        self._last = Estimate((0.0, 0.0, 0.0), (0.0, 0.0), np.zeros((3, 3)), UNKNOWN_TWIST)
+        self._last = Estimate((0.0, 0.0, 0.0), (0.0, 0.0), Covariance(), UNKNOWN_TWIST)
+
+    @property
+    def pose(self) -> tuple[float, float, float]:
+        """Where the robot is: x, y [m], theta [rad]."""
+        return self._last.pose
 
     def update(self, core: Core, inertia: Inertia | None, now: float) -> Estimate:
         """The estimate after a packet that came at `now` [s] of a steady clock."""
@@ -88,7 +89,7 @@ class Odometry:
 
     def reset(self) -> None:
         """Here is the origin, and ahead is its x axis; the motion goes on."""
-        self._last = self._last._replace(pose=(0.0, 0.0, 0.0), pose_covariance=np.zeros((3, 3)))
+        self._last = self._last._replace(pose=(0.0, 0.0, 0.0), pose_covariance=Covariance())
 
     def _step_to(self, after: Reading) -> Step | None:
         interruption, self._interruption = self._interruption, None
@@ -100,34 +101,46 @@ class Odometry:
 def _without_step(last: Estimate, silence: float, why: str) -> Estimate:
     """The same place, after `silence` [s] in which the base may have moved."""
     unseen = min(max(silence, 0.0), LONGEST_UNSEEN)
-    spread = np.diag([UNSEEN_SPEED, UNSEEN_SPEED, UNSEEN_TURN]) * unseen
-    return Estimate(last.pose, (0.0, 0.0), last.pose_covariance + spread**2, UNKNOWN_TWIST, why)
+    spread = Covariance.of_deviations(UNSEEN_SPEED * unseen, UNSEEN_SPEED * unseen, UNSEEN_TURN * unseen)
+    return Estimate(last.pose, (0.0, 0.0), last.pose_covariance.plus(spread), UNKNOWN_TWIST, why)
 
 
 def _with_step(last: Estimate, step: Step) -> Estimate:
     """The pose after a step along an arc, taken as its chord in the direction of the arc's middle."""
     x, y, theta = last.pose
     cos, sin = math.cos(theta + step.turn / 2.0), math.sin(theta + step.turn / 2.0)
-    pose = (x + step.distance * cos, y + step.distance * sin, math.remainder(theta + step.turn, math.tau))
-    by_pose = np.array([[1.0, 0.0, -step.distance * sin], [0.0, 1.0, step.distance * cos], [0.0, 0.0, 1.0]])
-    by_step = np.array([[cos, -step.distance / 2.0 * sin], [sin, step.distance / 2.0 * cos], [0.0, 1.0]])
-    covariance = by_pose @ last.pose_covariance @ by_pose.T + by_step @ _step_covariance(step) @ by_step.T
+    dx, dy = step.distance * cos, step.distance * sin
+    pose = (x + dx, y + dy, math.remainder(theta + step.turn, math.tau))
+    covariance = last.pose_covariance.moved(dx, dy).plus(_step_covariance(step, cos, sin))
     twist = (step.distance / step.seconds, step.turn / step.seconds)
     return Estimate(pose, twist, covariance, _twist_covariance(step))
 
 
-def _step_covariance(step: Step) -> Matrix:
-    """(2, 2), of the length and the turn of a step."""
+def _step_covariance(step: Step, cos: float, sin: float) -> Covariance:
+    """What a step in the direction (cos, sin) adds to the pose's: J·diag(of its length, of its turn)·Jᵀ.
+
+    J = [[cos, -d/2·sin], [sin, d/2·cos], [0, 1]] for a length d: half of the turn's error shows in its direction.
+    """
     length, turned = abs(step.distance), abs(step.turn)
+    along = LENGTH_BY_LENGTH * length
     by_gyro = GYRO_BY_TURN * turned + GYRO_BY_TIME * step.seconds
     by_wheels = WHEELS_BY_TURN * turned + WHEELS_BY_LENGTH * length
-    return np.diag([LENGTH_BY_LENGTH * length, by_gyro if step.by_gyro else by_wheels])
+    turning = by_gyro if step.by_gyro else by_wheels
+    across_x, across_y = -step.distance / 2.0 * sin, step.distance / 2.0 * cos
+    return Covariance(
+        along * cos * cos + turning * across_x * across_x,
+        along * cos * sin + turning * across_x * across_y,
+        turning * across_x,
+        along * sin * sin + turning * across_y * across_y,
+        turning * across_y,
+        turning,
+    )
 
 
-def _twist_covariance(step: Step) -> Matrix:
-    """(3, 3): the rounding of the two readings that a step lies between, and an error proportional to the velocity."""
+def _twist_covariance(step: Step) -> Covariance:
+    """The rounding of the two readings that a step lies between, and an error proportional to the velocity."""
     tick = METRES_PER_TICK / math.sqrt(6.0) / step.seconds  # [m/s] by which one wheel's speed is rounded
     speed = math.hypot(tick / math.sqrt(2.0), SPEED_ERROR * step.distance / step.seconds)
     rounding = CENTIDEGREE / math.sqrt(6.0) / step.seconds if step.by_gyro else math.sqrt(2.0) * tick / WHEEL_SEPARATION
     turning = math.hypot(rounding, (GYRO_ERROR if step.by_gyro else WHEELS_ERROR) * step.turn / step.seconds)
-    return np.diag([speed, SIDEWAYS, turning]) ** 2
+    return Covariance.of_deviations(speed, SIDEWAYS, turning)

@@ -192,9 +192,9 @@ def _gyro(data: bytes) -> Gyro:
     words = data[GYRO_HEAD.size :]
     if len(words) != 2 * count or count % 3:
         raise PacketError(f"{len(words)} bytes of samples, expected 3 numbers of 2 bytes each, {count} in all")
-    samples = (
+    samples = [
         AngularRate(-y * GYRO_DIGIT, x * GYRO_DIGIT, z * GYRO_DIGIT) for x, y, z in GYRO_SAMPLE.iter_unpack(words)
-    )
+    ]
     return Gyro(frame_id, tuple(samples))
 
 

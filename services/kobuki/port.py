@@ -1,4 +1,4 @@
-"""The serial port of the base: opened, read by a thread, written to, and guarded to the last."""
+"""The serial port of the base: opened, read, written to, and guarded to the last."""
 
 from __future__ import annotations
 
@@ -6,8 +6,6 @@ import errno
 import os
 import subprocess
 import sys
-import threading
-from collections.abc import Callable
 from pathlib import Path
 
 import serial
@@ -16,7 +14,6 @@ from services.kobuki import guard
 from services.kobuki.commands import base_control
 
 BAUD = 115_200
-WAIT = 0.1  # [s] after which the reader looks whether the port was closed
 WRITE_TIMEOUT = 0.1  # [s]
 GUARD_PATIENCE = 1.0  # [s] for its last stops
 CHUNK = 4096
@@ -33,20 +30,14 @@ class PortLost(Exception):
 
 
 class Port:
-    """The open port.
+    """The open port. Raises PortLost where it cannot be opened."""
 
-    `received` is called from a thread of its own with each piece of the stream, and with b"" when the port is gone.
-    Raises PortLost where it cannot be opened.
-    """
-
-    def __init__(self, path: str, received: Callable[[bytes], None]) -> None:
+    def __init__(self, path: str) -> None:
         self._path = path
         try:
-            self._serial = serial.Serial(path, BAUD, timeout=WAIT, write_timeout=WRITE_TIMEOUT, exclusive=True)
+            self._serial = serial.Serial(path, BAUD, timeout=0.0, write_timeout=WRITE_TIMEOUT, exclusive=True)
         except (OSError, ValueError) as error:
             raise PortLost(f"{path}: {_remedy(error)}") from error
-        self._received = received
-        self._closed = threading.Event()
         heart, self._heart = os.pipe()
         os.set_blocking(self._heart, False)
         port = self._serial.fileno()
@@ -57,14 +48,28 @@ class Port:
             start_new_session=True,
         )
         os.close(heart)
-        self._reader = threading.Thread(target=self._read, name="port", daemon=True)
-        self._reader.start()
+
+    def fileno(self) -> int:
+        """What can be waited for: it is readable when the base sent something, and when it is gone."""
+        return self._serial.fileno()
+
+    def read(self) -> bytes:
+        """What the base sent, once the port is readable. Raises PortLost where that is nothing."""
+        try:
+            data = os.read(self.fileno(), CHUNK)
+        except OSError as error:
+            raise PortLost(f"{self._path}: the base was unplugged") from error
+        if not data:
+            raise PortLost(f"{self._path}: the base was unplugged")
+        return data
 
     def write(self, data: bytes) -> None:
         """Send bytes to the base. Raises PortLost."""
         try:
-            self._serial.write(data)
-        except (OSError, serial.SerialException) as error:
+            sent = self._write_at_once(data)
+            if sent < len(data):
+                self._serial.write(data[sent:])  # which waits until there is room
+        except OSError as error:  # as are pyserial's own
             raise PortLost(f"{self._path}: {_remedy(error)}") from error
 
     def beat(self) -> None:
@@ -78,26 +83,20 @@ class Port:
 
     def close(self) -> None:
         """Have the guard say the last word, and let go of the port."""
-        self._closed.set()
         os.close(self._heart)
         try:
             self._guard.wait(GUARD_PATIENCE)
         except subprocess.TimeoutExpired:
             self._guard.kill()
             self._guard.wait()
-        self._reader.join()
         self._serial.close()
 
-    def _read(self) -> None:
-        while not self._closed.is_set():
-            try:
-                data = self._serial.read(1)
-                data += self._serial.read(min(self._serial.in_waiting, CHUNK))
-            except (OSError, TypeError, serial.SerialException):  # pyserial's ways to tell of an unplugged device
-                self._received(b"")
-                return
-            if data:
-                self._received(data)
+    def _write_at_once(self, data: bytes) -> int:
+        """How many bytes the port took without waiting: all, as a rule, and without what pyserial does to wait."""
+        try:
+            return os.write(self.fileno(), data)
+        except BlockingIOError:
+            return 0
 
 
 def _remedy(error: Exception) -> str:

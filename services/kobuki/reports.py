@@ -9,9 +9,43 @@ from services.kobuki.battery import FULL, full_voltage, percentage
 from services.kobuki.odometry import Estimate
 from services.kobuki.packets import Feedback
 from services.kobuki.safety import Decision
-from services.kobuki.sensors import Bumper, Button, Charger, Cliff, Core, Overcurrent, WheelDrop
+from services.kobuki.sensors import (
+    Bumper,
+    Button,
+    Charger,
+    Cliff,
+    CliffCounts,
+    Core,
+    DockIr,
+    DockSignal,
+    GpInput,
+    Gyro,
+    Inertia,
+    MotorCurrent,
+    Overcurrent,
+    WheelDrop,
+)
 
 ODOM, BASE, GYRO = "odom", "base_link", "gyro_link"
+
+
+def _two(kind: type[WheelDrop] | type[Overcurrent]) -> tuple[tuple[bool, bool], ...]:
+    """Left and right of all values that the flags can have."""
+    return tuple((bool(flags & kind.LEFT), bool(flags & kind.RIGHT)) for flags in range(4))
+
+
+def _three(*each: int) -> tuple[tuple[bool, bool, bool], ...]:
+    """Three flags of all values that they can have."""
+    left, centre, right = each
+    return tuple((bool(flags & left), bool(flags & centre), bool(flags & right)) for flags in range(8))
+
+
+# looked up, for an operation on flags takes ten times as long
+BUMPERS = _three(Bumper.LEFT, Bumper.CENTRE, Bumper.RIGHT)
+CLIFFS = _three(Cliff.LEFT, Cliff.CENTRE, Cliff.RIGHT)
+BUTTONS = _three(Button.B0, Button.B1, Button.B2)
+WHEEL_DROPS, OVERCURRENTS = _two(WheelDrop), _two(Overcurrent)
+CHARGERS = {charger: charger.name.lower() for charger in Charger}
 
 
 def odometry(estimate: Estimate, stamp: int) -> Odometry:
@@ -22,8 +56,8 @@ def odometry(estimate: Estimate, stamp: int) -> Odometry:
         child_frame=BASE,
         pose=estimate.pose,
         twist=estimate.twist,
-        pose_covariance=estimate.pose_covariance.ravel().tolist(),
-        twist_covariance=estimate.twist_covariance.ravel().tolist(),
+        pose_covariance=estimate.pose_covariance.rows(),
+        twist_covariance=estimate.twist_covariance.rows(),
     )
 
 
@@ -32,43 +66,48 @@ class StateReport:
 
     def __init__(self) -> None:
         self._full = FULL
-        self._last = Feedback()
+        self._cliff, self._current = CliffCounts(0, 0, 0), MotorCurrent(0.0, 0.0)
+        self._dock = DockIr(DockSignal(0), DockSignal(0), DockSignal(0))
+        self._inputs = GpInput((False, False, False, False), (0.0, 0.0, 0.0, 0.0))
 
-    def update(self, feedback: Feedback, core: Core, stamp: int) -> BaseState:
-        """The state after a packet with a core."""
-        news = {name: value for name, value in feedback._asdict().items() if value is not None}
-        self._last = last = self._last._replace(**news)
+    def update(self, feedback: Feedback, core: Core) -> None:
+        """Take in a packet with a core."""
         self._full = full_voltage(core, self._full)
-        cliff, dock, inputs = last.cliff, last.dock_ir, last.gp_input
+        self._cliff = feedback.cliff or self._cliff
+        self._current = feedback.current or self._current
+        self._dock = feedback.dock_ir or self._dock
+        self._inputs = feedback.gp_input or self._inputs
+
+    def message(self, core: Core, stamp: int) -> BaseState:
+        """The state after the last packet, which had this core."""
+        cliff, dock = self._cliff, self._dock
         return BaseState(
             stamp=stamp,
-            bumpers=(_has(core.bumper, Bumper.LEFT), _has(core.bumper, Bumper.CENTRE), _has(core.bumper, Bumper.RIGHT)),
-            cliffs=(_has(core.cliff, Cliff.LEFT), _has(core.cliff, Cliff.CENTRE), _has(core.cliff, Cliff.RIGHT)),
-            cliff_counts=(cliff.left, cliff.centre, cliff.right) if cliff else (0, 0, 0),
-            wheel_drops=(_has(core.wheel_drop, WheelDrop.LEFT), _has(core.wheel_drop, WheelDrop.RIGHT)),
-            overcurrents=(_has(core.overcurrent, Overcurrent.LEFT), _has(core.overcurrent, Overcurrent.RIGHT)),
-            currents=(last.current.left, last.current.right) if last.current else (0.0, 0.0),
-            buttons=(_has(core.buttons, Button.B0), _has(core.buttons, Button.B1), _has(core.buttons, Button.B2)),
+            bumpers=BUMPERS[core.bumper],
+            cliffs=CLIFFS[core.cliff],
+            cliff_counts=(cliff.left, cliff.centre, cliff.right),
+            wheel_drops=WHEEL_DROPS[core.wheel_drop],
+            overcurrents=OVERCURRENTS[core.overcurrent],
+            currents=self._current,
+            buttons=BUTTONS[core.buttons],
             battery_voltage=core.battery,
             battery_percent=percentage(core.battery, self._full),
-            charger=Charger(core.charger).name.lower(),
-            dock_ir=(int(dock.left), int(dock.centre), int(dock.right)) if dock else (0, 0, 0),
-            digital_inputs=inputs.digital if inputs else (False, False, False, False),
-            analog_inputs=inputs.analog if inputs else (0.0, 0.0, 0.0, 0.0),
+            charger=CHARGERS[core.charger],
+            dock_ir=(int(dock.left), int(dock.centre), int(dock.right)),
+            digital_inputs=self._inputs.digital,
+            analog_inputs=self._inputs.analog,
         )
 
 
-def imu(feedback: Feedback, stamp: int) -> Imu | None:
-    """The gyro's samples of one packet; None where it has none."""
-    if feedback.gyro is None or feedback.inertia is None:
-        return None
+def imu(gyro: Gyro, inertia: Inertia, stamp: int) -> Imu:
+    """The gyro's samples of one packet."""
     return Imu(
         stamp=stamp,
         frame=GYRO,
-        heading=feedback.inertia.angle,
-        heading_rate=feedback.inertia.rate,
-        sample_stamps=list(feedback.gyro.stamps(stamp)),
-        angular_velocities=np.array(feedback.gyro.samples, np.float32).ravel(),
+        heading=inertia.angle,
+        heading_rate=inertia.rate,
+        sample_stamps=list(gyro.stamps(stamp)),
+        angular_velocities=np.array(gyro.samples, np.float32).ravel(),
     )
 
 
@@ -83,7 +122,3 @@ def safety(decision: Decision, latched: bool, stamp: int) -> SafetyState:
         latched=latched,
         note=decision.note,
     )
-
-
-def _has(flags: int, flag: int) -> bool:
-    return bool(flags & flag)

@@ -11,12 +11,14 @@ from typing import NamedTuple
 
 from common.base_messages import Rule
 from services.kobuki.config import KobukiConfig
-from services.kobuki.ground import HALF_CELL, LOOK, Floats, Ground, Pose
-from services.kobuki.path import SLOW, Momentum, free_distance, safe_speed
-from services.kobuki.reflex import Reflex, touched
-from services.kobuki.sensors import Button, Core
+from services.kobuki.foresight import Foresight, Limit
+from services.kobuki.ground import Floats, Ground, Pose
+from services.kobuki.reflex import Reaction, Reflex, touched
+from services.kobuki.sensors import Button, Core, WheelDrop
 
 LONGEST_STEP = 0.1  # [s] for which an acceleration is given at once
+CRAWL = 0.02  # [m/s] below which a robot that is held back turns on the spot
+BOTH_WHEELS = WheelDrop.LEFT | WheelDrop.RIGHT
 NOTHING = -1.0  # [m] where no obstacle holds the robot back
 
 
@@ -59,19 +61,22 @@ class Safety:
         self._config = config
         self._reflex = Reflex()
         self._ground = Ground(pose, config.start_free)
-        self._momentum = Momentum(config.reaction, config.deceleration)
+        self._foresight = Foresight(config, self._ground)
+        self._decided_at = -math.inf
         self.latched = ""  # why the emergency stop holds, or nothing
         self.restart(pose)
 
     def restart(self, pose: Pose) -> None:
         """Nobody knows what happened since: the robot stands on floor, and what was in its way may still be there."""
         self._ground.begin_again(pose, self._config.start_free)
-        self._momentum.rest()
+        self._foresight.rest()
         self._reflex.clear()
         self._pose = pose
         self._core: Core | None = None
+        self._tilted, self._carried = False, False
         self._asked, self._asked_at = REST, -math.inf
         self._scan_taken = self._scan_came = -math.inf
+        self._blind_until = self._decided_at  # [s]; a scan taken before is of a place that nobody knows
         self._before, self._decided_at = REST, -math.inf
 
     def lose_base(self) -> None:
@@ -94,9 +99,12 @@ class Safety:
             self._asked, self._asked_at = asked, now
 
     def see(self, scan: Scan, pose: Pose, taken: float, now: float) -> None:
-        """A fused scan came, taken at `taken` [s] by a robot at `pose`; one that was overtaken is of no use."""
+        """A fused scan came, taken at `taken` [s] by a robot at `pose`.
+
+        One that was overtaken is of no use, nor one that was taken with a wheel in the air.
+        """
         taken = min(taken, now)  # no clock that is ahead may make later scans look fresh
-        if taken < self._scan_taken:
+        if taken < self._scan_taken or self._tilted or taken <= self._blind_until:
             return
         self._scan_taken, self._scan_came = taken, now
         camera = pose.then(self._config.camera())
@@ -112,16 +120,17 @@ class Safety:
     def decide(self, now: float) -> Decision:
         """What goes to the wheels at `now`. To be asked at every packet and at every command."""
         asked = self._asked
-        decision = self._overriding() or self._driving(asked, now)
+        decision = self._overriding(now) or self._driving(asked, now)
         self._before, self._decided_at = decision.allowed, now
-        self._momentum.send(*decision.allowed, now)
+        self._foresight.send(*decision.allowed, now)
         return decision
 
-    def _overriding(self) -> Decision | None:
+    def _overriding(self, now: float) -> Decision | None:
         """The rules that hold whatever was asked, the strongest first."""
         core = self._core
         if core is None:
             return Decision("no_base", REST, self._asked)
+        self._feel(core, now)
         reaction = self._reflex.update(core, self._pose)
         if self.latched:
             return Decision("stopped", REST, self._asked, note=self.latched)
@@ -129,11 +138,37 @@ class Safety:
             return Decision("wheel_drop", REST, self._asked)
         if core.overcurrent:
             return Decision("overcurrent", REST, self._asked)
-        if reaction is None:
+        return self._backing_off(reaction, now) if reaction else None
+
+    def _feel(self, core: Core, now: float) -> None:
+        """With one wheel in the air the camera is tilted; with both the robot is carried to where nobody knows."""
+        self._carried |= core.wheel_drop == BOTH_WHEELS
+        if self._tilted and not core.wheel_drop:
+            self._blind_until = now
+            if self._carried:
+                self._ground.forget()
+                self._ground.follow(self._pose, self._config.robot_radius)
+            self._carried = False
+        self._tilted = bool(core.wheel_drop)
+
+    def _backing_off(self, reaction: Reaction, now: float) -> Decision | None:
+        """What a sensor makes the robot do, as far as nothing is remembered behind it."""
+        hit, linear, angular, note, pressed = reaction
+        if pressed:
+            self._ground.touch(touched(hit, self._pose, self._config.robot_radius))
+        if linear < 0.0:
+            limit = self._foresight.limit(-1, linear, angular, self._pose, None, now)
+            linear *= limit.factor
+            if -linear < CRAWL:
+                return self._cornered(reaction, limit)
+        return Decision(hit.kind, Twist(linear, angular), self._asked, note=note)
+
+    def _cornered(self, reaction: Reaction, limit: Limit) -> Decision | None:
+        """Something is behind: the robot stays until it is let go, and then has backed off far enough."""
+        if not reaction.pressed:
+            self._reflex.clear()
             return None
-        if reaction.pressed:
-            self._ground.touch(touched(reaction.hit, self._pose, self._config.robot_radius))
-        return Decision(reaction.hit.kind, Twist(reaction.linear, reaction.angular), self._asked, note=reaction.note)
+        return Decision(reaction.hit.kind, REST, self._asked, limit.distance, "something is behind")
 
     def _driving(self, asked: Twist, now: float) -> Decision:
         """What is left of a command."""
@@ -149,7 +184,7 @@ class Safety:
 
     def _slow_turn(self, angular: float, now: float) -> Twist:
         """What is left of a command to a blind robot: it stops on its arc, and then may turn slowly."""
-        if max(self._momentum.speed(side, now) for side in (1, -1)) > SLOW:
+        if not self._foresight.stands(now):
             return REST
         slow = math.radians(self._config.slow_turn)
         return self._ramped(Twist(0.0, min(max(angular, -slow), slow)), now)
@@ -163,12 +198,15 @@ class Safety:
     def _ramped(self, wanted: Twist, now: float) -> Twist:
         """No farther from what was last allowed than an acceleration takes it; to slow down is always allowed.
 
-        A robot that starts keeps to the arc that was asked for; one that drives already is not slowed down to turn.
+        A robot that starts keeps to the arc that was asked for; one that drives already is not slowed down to turn, and
+        one that turns already goes on turning.
         """
         step = min(max(now - self._decided_at, 0.0), LONGEST_STEP)
         before = self._before
         linear = _toward(before.linear, wanted.linear, self._config.acceleration * step)
         part = min(linear / wanted.linear, 1.0) if linear * wanted.linear > 0.0 else 1.0
+        if before.angular * wanted.angular > 0.0:
+            part = max(part, min(before.angular / wanted.angular, 1.0))
         angular = _toward(before.angular, wanted.angular * part, math.radians(self._config.angular_acceleration) * step)
         if abs(linear) > abs(before.linear) and abs(angular) < abs(wanted.angular * part):
             on_arc = linear * abs(angular / (wanted.angular * part))
@@ -176,39 +214,19 @@ class Safety:
         return Twist(linear, angular)
 
     def _before_obstacle(self, wanted: Twist, asked: Twist, age: float | None, now: float) -> Decision:
-        """So fast that the robot can brake before it touches anything, by a scan `age` [s] old or by none.
-
-        While it still goes on from before, faster than it could brake on the new arc, it brakes first and turns then.
-        A turn on the spot touches nothing new.
-        """
-        factor, nearest = 1.0, math.inf
-        for side in (1, -1):
-            asks, drift = max(side * wanted.linear, 0.0), self._momentum.speed(side, now)
-            if asks == 0.0 and (drift <= SLOW or wanted.angular == 0.0):
-                continue
-            curvatures = self._momentum.curvatures(side, *wanted, now)
-            latency = self._config.reaction + (age or 0.0)
-            distance = self._free_distance(side * max(asks, drift), curvatures, latency, unseen_too=age is not None)
-            fastest = safe_speed(distance, self._config.deceleration, latency)
-            swerves = len(curvatures) > 1 and drift > max(fastest, SLOW)
-            if swerves or asks > fastest:
-                factor, nearest = min(factor, 0.0 if swerves else fastest / asks), min(nearest, distance)
+        """So fast that the robot can brake before it touches anything, by a scan `age` [s] old or by none."""
+        limits = [self._foresight.limit(side, *wanted, self._pose, age, now) for side in (1, -1)]
+        factor = min(limit.factor for limit in limits)
         if factor < 1.0:
-            return Decision("obstacle", wanted.scaled(factor), asked, nearest)
+            slower = self._held(wanted.scaled(factor), asked, now)
+            return Decision("obstacle", slower, asked, min(limit.distance for limit in limits))
         return Decision("free" if wanted == asked else "limit", wanted, asked)
 
-    def _free_distance(self, linear: float, curvatures: list[float], latency: float, unseen_too: bool) -> float:
-        """How far [m] the robot can go on the worst of these arcs [1/m]; beyond what braking takes nobody looks."""
-        config = self._config
-        radius = config.robot_radius + config.margin + HALF_CELL
-        braking = abs(linear) * latency + linear**2 / (2.0 * config.deceleration)
-        reach = min(radius + braking + 0.1, LOOK)
-        # what lies behind is not seen, and backing away must stay possible: only what is known to be there counts
-        points = self._ground.not_free(self._pose, reach, unknown_too=unseen_too and linear > 0.0)
-        if not points.size:
-            return reach - radius
-        distances = [free_distance(points, linear, linear * curvature, radius) for curvature in curvatures]
-        return min([*distances, reach - radius])
+    def _held(self, slower: Twist, asked: Twist, now: float) -> Twist:
+        """Slower on the same arc; but a robot that can hardly go on turns on the spot, which touches nothing new."""
+        if abs(slower.linear) >= CRAWL or not self._foresight.stands(now):
+            return slower
+        return self._ramped(Twist(0.0, self._limited(asked).angular), now)
 
 
 def _toward(before: float, wanted: float, step: float) -> float:

@@ -157,7 +157,7 @@ class Gyro(NamedTuple):
 
     def stamps(self, now: int) -> tuple[int, ...]:
         """When each sample was taken [ns], for a packet that came at `now` [ns]."""
-        return tuple(now - GYRO_PERIOD * age for age in reversed(range(len(self.samples))))
+        return tuple(range(now - GYRO_PERIOD * (len(self.samples) - 1), now + 1, GYRO_PERIOD))
 
 
 class GpInput(NamedTuple):

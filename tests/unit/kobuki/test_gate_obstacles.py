@@ -85,3 +85,104 @@ def test_at_speed_it_brakes_before_it_swerves_towards_something():
     assert before > 0.3
     decision = drive.steady(before, 1.5, ticks=10)
     assert decision.rule == "obstacle"
+
+
+def wall(distance):
+    """A wall on the left, parallel to the x axis, as it is seen from anywhere."""
+
+    def ranges(pose):
+        rise = np.sin(ANGLES + pose.theta)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            return np.where(rise > 0.0, (distance - pose.y + 0.087 * math.sin(pose.theta)) / rise, math.inf)
+
+    return ranges
+
+
+@pytest.mark.parametrize("angular", [1.0, -1.0])
+def test_before_a_wall_it_turns_on(angular):
+    drive = Drive(ranges=0.3)
+    assert drive.steady(0.3, angular).allowed == (0.0, angular)
+
+
+def test_a_turn_leads_out_of_a_corner():
+    def corner(pose):
+        x, y = pose.x - 0.087 * math.cos(pose.theta), pose.y - 0.087 * math.sin(pose.theta)
+        dx, dy = np.cos(ANGLES + pose.theta), np.sin(ANGLES + pose.theta)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            return np.minimum(np.where(dx > 0, (0.9 - x) / dx, math.inf), np.where(dy > 0, (0.4 - y) / dy, math.inf))
+
+    drive = Drive()
+    drive.go(0.3, ranges=corner)
+    assert 0.5 < drive.pose.x < 0.9 - 0.18
+    drive.go(0.3, -0.8, ticks=180, ranges=corner)
+    assert drive.pose.theta < -1.5
+    assert drive.go(0.3, ticks=150, ranges=corner).y < -0.4
+
+
+@pytest.mark.parametrize("distance", [0.22, 0.26])
+def test_along_a_near_wall_it_drives_on_and_comes_no_nearer(distance):
+    drive = Drive()
+    drive.pose = Pose(0.0, -0.3, 0.0)
+    drive.go(0.0, ticks=2, ranges=wall(distance))
+    drive.go(0.3, ticks=120, ranges=wall(distance))
+    drive.pose = Pose(drive.pose.x, 0.0, 0.0)  # somebody pushed it nearer
+    start = drive.pose.x
+    assert drive.go(0.3, ticks=90, ranges=wall(distance)).x > start + 0.2
+    drive.go(0.3, 0.1, ticks=150, ranges=wall(distance))
+    assert drive.pose.y <= 0.02
+
+
+@pytest.mark.parametrize("kind", ["bumper", "cliff"])
+def test_it_does_not_back_off_over_an_edge_that_it_remembers(kind):
+    drive = Drive(ranges=1.0)
+    drive.tick(0.0)
+    drive.ranges = math.inf
+    drive.pose = Pose(0.4, 0.0, math.pi)
+    drive.sensors = {kind: 2}
+    pose = drive.go(0.3, ticks=400)
+    assert 0.5 < pose.x < 1.0 - 0.087 - 0.18
+    decision = drive.tick(0.3)
+    assert decision[:2] == (kind, REST)
+    assert decision.note == "something is behind"
+    drive.sensors = {}
+    drive.tick(0.0)
+    assert drive.steady(0.0, 1.0).allowed == (0.0, 1.0)
+
+
+def test_after_it_was_carried_it_looks_around_before_it_drives():
+    drive = Drive(ranges=1.0)
+    drive.steady(0.0)
+    drive.ranges = math.inf
+    drive.sensors = {"drop": 3}
+    drive.steady(0.3)
+    drive.sensors = {}
+    assert drive.steady(0.3).allowed == REST
+    drive.go(0.0, 1.0, ticks=350)
+    drive.go(0.0)
+    assert drive.steady(0.3).allowed == (0.3, 0.0)
+
+
+def test_a_wheel_over_a_step_makes_it_forget_nothing():
+    drive = Drive(ranges=0.8)
+    drive.steady(0.0)
+    drive.sensors = {"drop": 1}
+    drive.tick(0.3)
+    drive.ranges = math.inf
+    drive.steady(0.3)
+    drive.sensors = {}
+    drive.pose = Pose(0.3, 0.0, 0.0)
+    assert drive.go(0.3).x < 0.8 - 0.087 - 0.18
+
+
+def test_scans_taken_with_a_wheel_in_the_air_show_nothing():
+    drive = Drive()
+    drive.steady(0.0)
+    drive.sensors = {"drop": 1}
+    drive.tick(0.0)
+    drive.ranges = 1.0
+    drive.steady(0.0)
+    tilted = drive.now
+    drive.sensors = {}
+    drive.tick(0.0, scan=False)
+    drive.tick(0.0, taken=tilted)
+    assert not drive.safety._ground.not_free(drive.pose, 1.2, unknown_too=False).size

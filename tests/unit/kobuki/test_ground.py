@@ -193,6 +193,15 @@ def test_to_begin_again_keeps_what_is_in_the_way():
     assert 0.3 <= np.hypot(x, y).min() < 0.3 + 3 * CELL
 
 
+def test_a_robot_that_was_carried_knows_nothing():
+    ground = Ground(HERE, 0.5)
+    see(ground, np.where(np.abs(ANGLES) < 0.1, 1.0, np.inf))
+    ground.touch(np.array([[0.2], [0.0]]))
+    ground.forget()
+    assert not occupied(ground).size
+    assert np.hypot(*ground.not_free(HERE, LOOK, unknown_too=True)).min() < CELL
+
+
 @pytest.mark.parametrize("angles", [[0.0], [0.0, 0.1], [1.5, 2.5], np.linspace(-math.pi, math.pi, 720)])
 def test_scans_of_any_shape_are_taken(angles):
     ground = Ground(HERE, 0.5)

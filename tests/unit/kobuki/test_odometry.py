@@ -23,12 +23,16 @@ def wrapped(angle):
     return math.remainder(angle, math.tau)
 
 
+def matrix(covariance):
+    return np.reshape(covariance.rows(), (3, 3))
+
+
 def test_the_first_packet_is_the_baseline():
     estimate = Base(5000, (1234, 4321), 1.0).report()
     assert estimate.pose == (0, 0, 0)
     assert estimate.twist == (0, 0)
     assert estimate.new_baseline == "first packet"
-    assert not estimate.pose_covariance.any()
+    assert not any(estimate.pose_covariance)
 
 
 def test_a_straight_line(base):
@@ -150,7 +154,7 @@ def test_an_interruption_leaves_the_pose_where_it_was(base, interruption):
     assert after.pose == before.pose
     assert after.new_baseline
     assert after.twist == (0, 0)
-    assert (after.twist_covariance == UNKNOWN_TWIST).all()
+    assert after.twist_covariance == UNKNOWN_TWIST
     base.move(0.3, 0.4)
     next_one = base.report()
     assert next_one.new_baseline is None
@@ -172,7 +176,7 @@ def test_reset_makes_here_the_origin_heading_included(base):
     base.odometry.reset()
     estimate = base.report()
     assert estimate.pose == (0, 0, 0)
-    assert not estimate.pose_covariance.any()
+    assert not any(estimate.pose_covariance)
     assert base.drive(0.3, 0.0, 1).pose == pytest.approx((0.3, 0.0, 0.0), abs=3e-3)
 
 
@@ -195,20 +199,19 @@ def test_whatever_comes_the_pose_goes_no_faster_than_a_kobuki(sequence):
         assert math.dist(estimate.pose[:2], last[:2]) <= 1.5 * 0.52
         assert -math.pi <= estimate.pose[2] <= math.pi
         last = estimate.pose
-        for covariance in (estimate.pose_covariance, estimate.twist_covariance):
+        for covariance in map(matrix, (estimate.pose_covariance, estimate.twist_covariance)):
             assert np.isfinite(covariance).all()
-            np.testing.assert_allclose(covariance, covariance.T)
             assert np.linalg.eigvalsh(covariance).min() >= -1e-9
 
 
 @given(st.lists(st.tuples(st.floats(-0.7, 0.7), st.floats(-1.9, 1.9)), max_size=30), st.booleans())
 def test_the_pose_gets_less_sure_with_every_step(velocities, with_gyro):
     base = Base(with_gyro=with_gyro)
-    heading = base.report().pose_covariance[2, 2]
+    heading = base.report().pose_covariance.tt
     area = 0.0
     for linear, angular in velocities:
         base.move(linear, angular)
         covariance = base.report().pose_covariance
-        assert covariance[2, 2] >= heading
-        assert covariance[0, 0] + covariance[1, 1] >= area
-        heading, area = covariance[2, 2], covariance[0, 0] + covariance[1, 1]
+        assert covariance.tt >= heading
+        assert covariance.xx + covariance.yy >= area
+        heading, area = covariance.tt, covariance.xx + covariance.yy

@@ -7,13 +7,20 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from services.kobuki.path import SLOW, Momentum, free_distance, safe_speed
+from services.kobuki.momentum import SLOW, Momentum
+from services.kobuki.path import free_distance, safe_speed
 
 RADIUS = 0.21
 STEP = 0.001  # [m]
 
 points = st.lists(st.tuples(st.floats(-1.5, 1.5), st.floats(-1.5, 1.5)), min_size=1, max_size=6)
 speeds = st.one_of(st.floats(0.05, 0.7), st.floats(-0.7, -0.05))
+
+
+def driven(points, linear, angular, radius=RADIUS, clearance=None):
+    """The free distance of a velocity; nothing is near already."""
+    side = 1 if linear > 0 else -1
+    return free_distance(points, side, angular / linear, radius, radius if clearance is None else clearance)
 
 
 def moved(points, linear, angular, longest):
@@ -32,35 +39,51 @@ def test_it_is_the_disc_moved_along_the_arc(where, linear, angular):
     outside = [point for point in where if math.hypot(*point) > RADIUS + 2 * STEP]
     longest = min(1.5, abs(1.9 * math.pi * linear / angular) if abs(angular) > 1e-9 else 1.5)
     array = np.array(outside).reshape(-1, 2).T
-    found = free_distance(array, linear, angular, RADIUS)
+    found = driven(array, linear, angular)
     slow = moved(outside, linear, angular, longest)
     if slow < math.inf:
         assert found <= slow + 1e-9
         assert moved(outside, linear, angular, slow + STEP) == slow
     if found < longest - STEP:  # a point that is only grazed may slip between two steps
-        grown = free_distance(array, linear, angular, RADIUS - 2 * STEP)
+        grown = driven(array, linear, angular, RADIUS - 2 * STEP)
         assert slow <= max(grown, found) + 2 * STEP or grown == math.inf
 
 
 @pytest.mark.parametrize("linear", [0.2, -0.2])
 @pytest.mark.parametrize(
     ("x", "y", "angular", "expected"),
-    [(1.0, 0.0, 0.0, 0.79), (1.0, 0.21, 0.0, 1.0), (1.0, 0.211, 0.0, math.inf), (-1.0, 0.0, 0.0, math.inf)],
+    [(1.0, 0.0, 0.0, 0.79), (1.0, 0.2099, 0.0, 0.99352), (1.0, 0.211, 0.0, math.inf), (-1.0, 0.0, 0.0, math.inf)],
 )
 def test_straight_ahead_and_straight_back(linear, x, y, angular, expected):
     point = np.array([[math.copysign(1, linear) * x], [y]])
-    assert free_distance(point, linear, angular, RADIUS) == pytest.approx(expected)
+    assert driven(point, linear, angular) == pytest.approx(expected, abs=1e-4)
 
 
 @pytest.mark.parametrize(
     ("linear", "x", "expected"), [(1, 0.1, 0), (1, -0.1, math.inf), (-1, -0.1, 0), (-1, 0.1, math.inf)]
 )
 def test_what_is_inside_the_disc_blocks_only_the_way_towards_it(linear, x, expected):
-    assert free_distance(np.array([[x], [0.0]]), linear, 0.3, RADIUS) == expected
+    assert driven(np.array([[x], [0.0]]), linear, 0.0) == expected
+
+
+@pytest.mark.parametrize("linear", [0.3, -0.3])
+def test_an_arc_that_leads_away_from_what_is_near_leads_back_to_it(linear):
+    x = -math.copysign(0.05, linear)
+    found = driven(np.array([[x], [0.15]]), linear, abs(linear) / 0.1 * math.copysign(1.0, linear))
+    assert found == pytest.approx(0.1 * math.pi / 2)  # at 225° of its circle, it is as near again at 90°
+
+
+def test_what_is_passed_at_the_clearance_is_not_in_the_way_and_what_is_met_is_kept_the_whole_radius_away():
+    wall = np.stack([np.arange(-1.0, 1.0, 0.04), np.full(50, 0.19)])
+    assert driven(wall, 0.3, 0.0, clearance=0.19) == math.inf
+    assert driven(wall, 0.3, -0.1, clearance=0.19) == math.inf
+    assert driven(wall, 0.3, 0.1, clearance=0.19) == pytest.approx(0.0)
+    assert driven(np.array([[1.0], [0.18]]), 0.3, 0.0, clearance=0.19) < 1.0 - 0.1
 
 
 def test_nothing_is_in_the_way_of_nothing():
-    assert free_distance(np.empty((2, 0)), 0.3, 0.2, RADIUS) == math.inf
+    assert driven(np.empty((2, 0)), 0.3, 0.2) == math.inf
+    assert driven(np.empty((2, 0)), 0.3, 0.0) == math.inf
 
 
 @given(st.floats(0, 5), st.floats(0.1, 3), st.floats(0, 1))

@@ -1,0 +1,64 @@
+"""What the base may still be doing of what it was told before."""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from typing import NamedTuple
+
+SLOW = 0.05  # [m/s] at which the robot stands almost at once
+BEND = 0.1  # [1/m] by which two curvatures may differ and be taken for one
+FAN = 3  # arcs that stand for all between the two outermost
+SHARP = 0.3  # [m] radius of a turn halfway, for the fan, between going straight and turning on the spot
+
+
+class Momentum:
+    """What the base may still be doing: a command shows only after up to `delay` [s], and braking takes its time.
+
+    Without this a robot could swerve at speed from an arc that was found free into something beside it, or be steered
+    between two free arcs into what stands between them.
+    """
+
+    def __init__(self, delay: float, deceleration: float) -> None:
+        self._delay, self._deceleration = delay, deceleration
+        self.rest()
+
+    def rest(self) -> None:
+        """The base stands still."""
+        self._sent: deque[_Sent] = deque([_Sent(-math.inf, 0.0, 0.0)])
+        self._speeds = {1: 0.0, -1: 0.0}
+        self._at = -math.inf
+
+    def send(self, linear: float, angular: float, now: float) -> None:
+        """The base is sent this velocity, [m/s] and [rad/s], at `now` [s]."""
+        self._speeds = {side: self.speed(side, now) for side in (1, -1)}
+        self._at = now
+        if self._sent[-1][1:] != (linear, angular):
+            self._sent.append(_Sent(now, linear, angular))
+        while len(self._sent) > 1 and self._sent[1].at + self._delay < now:  # what replaced it has reached the wheels
+            self._sent.popleft()
+
+    def speed(self, side: int, now: float) -> float:
+        """The highest speed [m/s], forward (side 1) or backward (-1), that the base may have at `now` [s]."""
+        braked = self._speeds[side] - self._deceleration * max(now - self._at, 0.0) if self._speeds[side] else 0.0
+        return max(braked, max([side * sent.linear for sent in self._sent]), 0.0)
+
+    def curvatures(self, side: int, linear: float, angular: float, now: float) -> list[float]:
+        """Curvatures [1/m] the base may take, in that direction, when sent this velocity; the one asked for first."""
+        speed = self.speed(side, now)
+        before = [sent.angular / sent.linear for sent in self._sent if side * sent.linear > SLOW]
+        after = [angular / linear] if side * linear > 0.0 else [side * angular / SLOW]
+        if speed > SLOW and any(abs(each - after[0]) > BEND for each in before or [math.inf]):
+            after.append(side * angular / speed)
+        both = [math.atan(each * SHARP) for each in before + after]
+        least, most = min(both), max(both)
+        if most - least < BEND * SHARP:
+            return after[:1]
+        between = (least + (most - least) * step / (FAN - 1) for step in range(FAN))
+        return [after[0], *(math.tan(each) / SHARP for each in between)]
+
+
+class _Sent(NamedTuple):
+    at: float  # [s]
+    linear: float
+    angular: float
