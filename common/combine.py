@@ -36,12 +36,11 @@ def combine(scans: Sequence[Beams]) -> Beams:
     Where there is no number, a beam is free (+inf) only if every scan looked; one that did not see makes it NaN:
     what one method does not know, another's silence does not make free.
     """
-    ranges = np.stack([scan.ranges for scan in scans])
-    evidence = np.stack([scan.evidence for scan in scans])
-    nearest = np.where(np.isnan(ranges), np.inf, ranges).argmin(axis=0)[None]
-    chosen = np.take_along_axis(ranges, nearest, axis=0)[0]
-    unseen = np.isnan(ranges).any(axis=0) & ~np.isfinite(chosen)
-    return Beams(
-        np.where(unseen, np.float32(np.nan), chosen),
-        np.where(unseen, np.float32(0.0), np.take_along_axis(evidence, nearest, axis=0)[0]),
-    )
+    ranges, evidence = scans[0]
+    unseen = np.isnan(ranges)
+    for scan in scans[1:]:
+        nearer = (scan.ranges < ranges) | (np.isnan(ranges) & ~np.isnan(scan.ranges))
+        ranges, evidence = np.where(nearer, scan.ranges, ranges), np.where(nearer, scan.evidence, evidence)
+        unseen |= np.isnan(scan.ranges)
+    unseen &= ~np.isfinite(ranges)
+    return Beams(np.where(unseen, np.float32(np.nan), ranges), np.where(unseen, np.float32(0.0), evidence))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import tomllib
 from collections.abc import Iterable
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, ClassVar, TypeVar
 
 import tomli_w
 from pydantic import BaseModel, ConfigDict, ValidationError
@@ -14,14 +14,24 @@ from common.message import explain
 
 SENSING = ("capture", "negative", "positive", "fuse")
 SERVICES = (*SENSING, "kobuki")
+PROFILE = "profile"
+PROFILES = ("default", "paper")
 
 
 class ConfigError(ValueError):
     """The configuration cannot be used; the text is one line that says why."""
 
 
+Profiles = dict[str, dict[str, Any]]
+
+
 class ServiceConfig(BaseModel):
-    """A service's table: every value typed and bounded, unknown keys refused."""
+    """A service's table: every value typed and bounded, unknown keys refused.
+
+    PROFILES: what other defaults a value has where `profile` names one of them.
+    """
+
+    PROFILES: ClassVar[Profiles] = {}
 
     model_config = ConfigDict(strict=True, frozen=True, extra="forbid", allow_inf_nan=False)
 
@@ -30,10 +40,19 @@ C = TypeVar("C", bound=ServiceConfig)
 
 
 def load(service: str, kind: type[C], file: Path | None, overrides: Iterable[str]) -> C:
-    """The configuration of `service` from its table in `file`, with `overrides` on top. Raises ConfigError."""
-    table = _read_tables(file).get(service, {}) if file else {}
+    """The configuration of `service` from its table in `file`, with `overrides` on top. Raises ConfigError.
+
+    A file's `profile`, outside all tables, or the override profile=NAME says which defaults lie below.
+    """
+    tables = _read_tables(file) if file else {}
+    profile, table = tables.get(PROFILE, PROFILES[0]), tables.get(service, {})
     for override in overrides:
-        _override(table, service, override, kind)
+        key, equals, text = override.partition("=")
+        if key.strip() == PROFILE and equals:
+            profile = _profile(_value(text.strip()), f"--set {override}")
+        else:
+            _override(table, service, override, kind)
+    table = {**kind.PROFILES.get(profile, {}), **table}
     try:
         return kind.model_validate(table)
     except ValidationError as error:
@@ -45,12 +64,26 @@ def dump(service: str, config: ServiceConfig) -> str:
     return tomli_w.dumps({service: config.model_dump(mode="json")})
 
 
-def _read_tables(file: Path) -> dict[str, dict[str, Any]]:
+def meant_for(service: str, override: str) -> bool:
+    """Whether a service takes this KEY=VALUE: one of its own values, or the profile."""
+    return override.startswith(f"{service}.") or override.partition("=")[0].strip() == PROFILE
+
+
+def _profile(name: object, where: str) -> str:
+    if name not in PROFILES:
+        raise ConfigError(f"{where}: profile {name!r} is none of {', '.join(PROFILES)}")
+    return str(name)
+
+
+def _read_tables(file: Path) -> dict[str, Any]:
     try:
         tables = tomllib.loads(file.read_text("utf-8"))
     except (OSError, ValueError, RecursionError) as error:
         raise ConfigError(f"{file}: {error}") from error
     for name, table in tables.items():
+        if name == PROFILE:
+            _profile(table, str(file))
+            continue
         if name not in SERVICES:
             raise ConfigError(f"{file}: unknown table [{name}], expected one of {', '.join(SERVICES)}")
         if not isinstance(table, dict):

@@ -8,13 +8,13 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from functools import lru_cache
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
+Floating = NDArray[np.floating[Any]]  # of either precision
 
 STEEPEST_AXIS = math.cos(math.radians(3.0))  # an optical axis nearer the vertical has no heading on the floor
 MOST_PIXELS = 2**22  # a small compressed message must not unpack to any size it likes
@@ -48,6 +48,10 @@ class FloorPlane(NamedTuple):
         level = math.cos(pitch)
         return cls(-math.sin(roll) * level, -math.cos(roll) * level, -math.sin(pitch), height)
 
+    def mount(self) -> tuple[float, float, float]:
+        """The camera's height [m], pitch and roll [rad]: what from_mount makes this floor of."""
+        return self.d, math.atan2(-self.nz, math.hypot(self.nx, self.ny)), math.atan2(-self.nx, -self.ny)
+
 
 @dataclass(frozen=True)
 class Camera:
@@ -74,12 +78,16 @@ def axes(floor: FloorPlane) -> tuple[Floats, Floats, Floats]:
 class Affine(NamedTuple):
     """A quantity of a pixel's ray that is affine in (u, v), per metre of depth: columns[u] + rows[v]."""
 
-    columns: Floats
-    rows: Floats
+    columns: Floating
+    rows: Floating
 
     def table(self) -> Floats:
         """The quantity of every pixel: (rows, columns)."""
         return self.rows[:, None] + self.columns[None, :]
+
+    def single(self, sign: float = 1.0) -> Affine:
+        """The same, or with sign -1 the opposite, in single precision."""
+        return Affine((sign * self.columns).astype(np.float32), (sign * self.rows).astype(np.float32))
 
 
 def scan_axes(camera: Camera) -> tuple[Affine, Affine, Affine]:
@@ -98,11 +106,11 @@ def scan_axes(camera: Camera) -> tuple[Affine, Affine, Affine]:
     return along(forward), along(left), along(up)
 
 
-@lru_cache(maxsize=4)
 def reach(camera: Camera) -> float:
-    """Farthest horizontal distance [m] at which any pixel of `camera` can measure a point."""
+    """Farthest horizontal distance [m] at which any pixel of `camera` can measure a point: a corner's, by convexity."""
     forward, left, _ = scan_axes(camera)
-    return camera.range[1] * float(np.hypot(forward.table(), left.table()).max())
+    corners = (Affine(axis.columns[[0, -1]], axis.rows[[0, -1]]).table() for axis in (forward, left))
+    return camera.range[1] * float(np.hypot(*corners).max())
 
 
 def check_camera(camera: Camera) -> None:

@@ -63,6 +63,7 @@ def _little_endian(dtype: str) -> PlainValidator:
 
 
 Float32s: TypeAlias = Annotated[NDArray[np.float32], _little_endian("<f4")]
+Int8s: TypeAlias = Annotated[NDArray[np.int8], _little_endian("<i1")]
 UInt64: TypeAlias = Annotated[int, Field(ge=0, lt=2**64)]
 Stamp: TypeAlias = Annotated[int, Field(ge=0, lt=2**63)]  # [ns] since the Unix epoch
 ListAsTuple = Field(strict=False)  # for a tuple, since msgpack knows lists only; what it holds stays strict

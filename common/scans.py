@@ -56,9 +56,9 @@ class ScanConfig(ServiceConfig):
         return max(self.range_min, min(self.range_max, reach(camera)))
 
 
-def points(image: DepthImage, config: ScanConfig) -> Points:
-    """What `image` tells of the floor, for the beams of `config`."""
-    return points_of(image.depth, image.camera, config.grid(), config.range_min)
+def points(image: DepthImage, config: ScanConfig, lower_than: float) -> Points:
+    """What the rows of `image` that can show anything lower than that [m] above the floor tell of it."""
+    return points_of(image.depth, image.camera, config.range_min, lower_than)
 
 
 def laser_scan(image: DepthImage, beams: Beams, config: ScanConfig) -> LaserScan:

@@ -8,6 +8,7 @@ from enum import Enum
 from typing import Generic, TypeVar
 
 from common.base_messages import BaseState, Imu, Odometry, SafetyState, Velocity
+from common.map_messages import OccupancyGrid, Pose2D
 from common.message import Message
 from common.messages import DepthImage, LaserScan, ServiceStatus
 
@@ -45,6 +46,8 @@ BASE_STATE = Topic("base/state", BaseState, Qos.REAL_TIME)
 IMU = Topic("base/imu", Imu, Qos.REAL_TIME)
 VELOCITY = Topic("base/cmd_vel", Velocity, Qos.REAL_TIME)
 SAFETY = Topic("base/safety", SafetyState, Qos.REAL_TIME)
+MAP = Topic("map", OccupancyGrid, Qos.BULK)
+POSE = Topic("pose", Pose2D, Qos.REAL_TIME)
 
 
 def scan(path: str) -> Topic[LaserScan]:
@@ -75,7 +78,7 @@ def alive(service: str) -> str:
 def message_at(path: str) -> type[Message] | None:
     """What is said at a key's path below the robot's name; None where the contract does not say."""
     for prefix, message in (
-        *((topic.path, topic.message) for topic in (DEPTH, ODOMETRY, BASE_STATE, IMU, VELOCITY, SAFETY)),
+        *((topic.path, topic.message) for topic in (DEPTH, ODOMETRY, BASE_STATE, IMU, VELOCITY, SAFETY, MAP, POSE)),
         ("scan", LaserScan),
         ("status", ServiceStatus),
     ):

@@ -15,6 +15,7 @@ from common.service import USAGE_ERROR, StopSignal
 from experiments.collect import Failed
 from experiments.run import Run, run_folder, run_worlds
 
+EVERY_METHOD = 'negative.methods=["farthest_point", "virtual_floor", "near_edge"]'  # unless --set has it otherwise
 WORLDS = ("paper_room", "paper_room_open")  # figures 11 to 13, 17, 18, 21; 14 to 16, 19, 20, 22
 INTERRUPTED = 130
 DESCRIPTION = "The paper's simulated experiments through the real services, or the same pictures of a recording."
@@ -48,7 +49,7 @@ def main() -> None:
     arguments = parser.parse_args()
     logging.basicConfig(level=logging.INFO, format="%(asctime)s %(levelname)s demo: %(message)s")
     stop = StopSignal()
-    run = Run(Console(), stop, arguments.out, arguments.set)
+    run = Run(Console(), stop, arguments.out, [EVERY_METHOD, *arguments.set])
     try:
         arguments.out.mkdir(parents=True, exist_ok=True)
     except OSError as error:

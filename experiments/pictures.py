@@ -39,6 +39,7 @@ TITLES = {
     "points below": "Points below the floor from above",
     "farthest_point": "Farthest point (algorithm 1)",
     "virtual_floor": "Virtual floor projection (algorithm 2)",
+    "near_edge": "Near edge (ours)",
     "negative": "Negative: all methods combined (algorithm 3)",
     "positive": "Positive: projection",
     "fused": "Fused: positive and negative",

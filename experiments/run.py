@@ -48,7 +48,9 @@ class Run:
 
     def config(self, service: str, kind: type[C]) -> C:
         """The configuration with which a service runs. Raises ConfigError."""
-        return configuration.load(service, kind, None, [text for text in self.overrides if _is_for(service, text)])
+        return configuration.load(
+            service, kind, None, [text for text in self.overrides if configuration.meant_for(service, text)]
+        )
 
     def paths(self) -> list[str]:
         """The paths of all scans of a frame. Raises ConfigError."""
@@ -100,7 +102,8 @@ def run_folder(run: Run, folder: Path) -> None:
     born = time.monotonic()
     goal = EveryFrame(folder, MOST_PICTURES)
     name = folder.resolve().name
-    capture = ["source=replay", f"path={folder.resolve()}", f"rate={goal.rate}", "loop=true"]
+    # a frame comes back with the floor that its folder says, by which it is known
+    capture = ["source=replay", f"path={folder.resolve()}", f"rate={goal.rate}", "loop=true", "floor=fixed"]
     with _telling(run) as (progress, log):
         for why in goal.bad:
             progress.console.print(f"  leaving out {why}", markup=False, highlight=False, soft_wrap=True)
@@ -133,10 +136,6 @@ def score_all(world: World, frames: Sequence[Frame]) -> dict[str, Score]:
         for path in scans
         if tells_edges(path)
     }
-
-
-def _is_for(service: str, override: str) -> bool:
-    return override.startswith(f"{service}.")
 
 
 @contextmanager

@@ -157,7 +157,7 @@ class Bus:
         self.on_announce = lambda: None
 
     def publisher(self, topic):
-        return SimpleNamespace(put=self.said[topic.path].append)
+        return SimpleNamespace(put=self.said[topic.path].append, heard=True)
 
     def subscribe(self, path, receive) -> None:
         self.receivers[path] = receive

@@ -1,6 +1,6 @@
-"""The paper's algorithms, written down as slowly and plainly as they are described: what the fast code answers to.
+"""The algorithms, written down as slowly and plainly as they are described: what the fast code answers to.
 
-Points are taken one by one. Where the paper has a level camera and y' = 0.3 m, the floor plane is any.
+Of the paper's, points are taken one by one; where it has a level camera and y' = 0.3 m, the floor plane is any.
 """
 
 from __future__ import annotations
@@ -13,6 +13,12 @@ import numpy as np
 
 from common.geometry import Camera
 from common.grid import Grid
+from common.points import Points
+from common.view import View
+from services.negative.column_edges import AGREE, NARROWEST, SIDE
+from services.negative.floor_trace import End, Limits
+from services.negative.near_edge import APART
+from tests import naive_trace
 
 
 def axes(camera: Camera) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -121,3 +127,97 @@ def combine(array_a: np.ndarray, array_b: np.ndarray) -> np.ndarray:
         elif a > b:
             array_c[step] = b
     return np.array(array_c)
+
+
+def near_edge(
+    points: Points, grid: Grid, limits: Limits, floor_lost: str, baseline: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """Ours: each column is followed over the floor, to where it ends. The beams' ranges and evidence."""
+    view, height = points.view, np.float32(points.view.camera.floor.d)
+    rates, order = view.up.single(-1.0), rows_outward(view, limits)
+    columns = range(view.shape[1])
+    if not order:
+        return np.full(grid.beams, math.nan), np.zeros(grid.beams)
+    traced = [naive_trace.floor_trace(points.heights, order, rates, height, limits, column) for column in columns]
+    ends, rows, levels = (list(each) for each in zip(*traced, strict=True))
+    outward = 1 if order[-1] > order[0] else -1
+    disparity = baseline * view.camera.intrinsics.fx
+    for u in columns:
+        lost = ends[u] == End.LOST and not view.transposed
+        if lost and naive_trace.shadowed(points.heights, rates, height, u, rows[u], outward, disparity):
+            ends[u] = End.HIDDEN
+    levels = [averaged(ends, rows, levels, u) for u in columns]
+    places = [place(view, u, max(rows[u], 0), levels[u]) for u in columns]
+    doubt(ends, places, floor_lost)
+    return of_beams(ends, places, grid)
+
+
+def rows_outward(view: View, limits: Limits) -> list[int]:
+    """The rows that see floor, near to far: of those that see it within a centimetre of each other, the nearest."""
+    columns = [0, view.shape[1] // 2, view.shape[1] - 1]
+    rows = list(range(view.shape[0]))
+    if view.up.rows[0] > view.up.rows[1]:
+        rows.reverse()
+    chosen, before = [], None
+    for row in rows:
+        downward = [-(view.up.rows[row] + view.up.columns[column]) for column in columns]
+        inverse = [rate / view.camera.floor.d for rate in downward]
+        steps = [math.floor(1 / (APART * max(each, 0.5 / limits.far))) for each in inverse]
+        if steps != before and any(each > 0.5 / limits.far and each > 0 for each in inverse):
+            chosen.append(row)
+        before = steps
+    return chosen
+
+
+def numbered(end: End) -> bool:
+    return end in (End.DROP, End.LOST)
+
+
+def averaged(ends: list[End], rows: list[int], levels: list[np.float32], u: int) -> float:
+    """A column's floor level, averaged with its neighbours' that ended likewise, if that is about the same."""
+    beside = range(max(u - SIDE, 0), min(u + SIDE + 1, len(ends)))
+    alike = [float(levels[k]) for k in beside if numbered(ends[k]) and rows[k] >= 0]
+    if not (numbered(ends[u]) and rows[u] >= 0 and abs(sum(alike) / len(alike) - levels[u]) < AGREE):
+        return float(levels[u])
+    return sum(alike) / len(alike)
+
+
+def place(view: View, u: int, row: int, level: float) -> tuple[float, float]:
+    """Azimuth and range at which a pixel's ray meets floor at that level."""
+    forward, left, up = (axis.columns[u] + axis.rows[row] for axis in (view.forward, view.left, view.up))
+    depth = np.divide(level - view.camera.floor.d, up)
+    return math.atan2(left, forward), math.hypot(forward, left) * depth
+
+
+def doubt(ends: list[End], places: list[tuple[float, float]], floor_lost: str) -> None:
+    """Take back what too few columns side by side saw, unless at the border, and lost floor that is not to count."""
+    first, count = 0, len(ends)
+    column = abs(places[-1][0] - places[0][0]) / count  # width [rad]
+    while first < count:
+        stop = first
+        while stop < count and numbered(ends[stop]):
+            stop += 1
+        group = range(first, stop)
+        nearest = min((places[u][1] for u in group), default=math.inf)
+        narrow = first > 0 and stop < count and len(group) * column * nearest < NARROWEST
+        beside_drop = any(ends[u] == End.DROP for u in group)
+        counts = floor_lost == "counts" or (floor_lost == "beside_drop" and beside_drop)
+        for u in group:
+            if narrow or (ends[u] == End.LOST and not counts):
+                ends[u] = End.UNSEEN
+        first = stop + 1
+
+
+def of_beams(ends: list[End], places: list[tuple[float, float]], grid: Grid) -> tuple[np.ndarray, np.ndarray]:
+    """Each beam tells the worst of the columns within a column's width: the nearest number, or not seen, or free."""
+    told = []
+    column = abs(places[-1][0] - places[0][0]) / (len(places) - 1)  # width [rad]
+    for angle in grid.angles():
+        heard = [
+            (end, reach) for end, (azimuth, reach) in zip(ends, places, strict=True) if abs(azimuth - angle) <= column
+        ]
+        numbers = [(r, 2.0 if end == End.DROP else 3.0) for end, r in heard if numbered(end)]
+        free = heard and all(end == End.SIGHT for end, _ in heard)
+        told.append(min(numbers, key=lambda number: number[0]) if numbers else (math.inf if free else math.nan, 0.0))
+    ranges, evidence = zip(*told, strict=True)
+    return np.array(ranges), np.array(evidence)

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import closing
+from dataclasses import replace
 
 from common import topics
 from common.depth_codec import LEVELS, RAW
 from common.messages import DepthImage
 from common.service import PATIENCE, Service, main
 from services.capture.config import CaptureConfig
+from services.capture.floor_tracker import FloorTracker
 from services.capture.open_source import open_source
 from services.capture.source import BadFrame, DepthFrame, Source, SourceEnded, SourceLost
 
@@ -22,7 +24,7 @@ def frames(service: Service[CaptureConfig]) -> Iterator[DepthFrame]:
     while service.running:
         try:
             with closing(open_source(service.config)) as source:
-                for frame in _frames_of(source, service):
+                for frame in located(_frames_of(source, service), service):
                     delay = BACK_OFF[0]
                     yield frame
         except SourceLost as error:
@@ -44,6 +46,26 @@ def _frames_of(source: Source, service: Service[CaptureConfig]) -> Iterator[Dept
             continue
         if frame:
             yield frame
+
+
+def located(frames: Iterator[DepthFrame], service: Service[CaptureConfig]) -> Iterator[DepthFrame]:
+    """The frames of one source, each with the floor that is seen in it, or as they are where the floor is fixed.
+
+    A tracker starts from a frame's own floor. A frame that comes with another one is of another mount.
+    """
+    tracker: FloorTracker | None = None
+    for frame in frames:
+        if service.config.floor == "fixed":
+            yield frame
+            continue
+        nominal = frame.camera.floor
+        if tracker is None or tracker.nominal != nominal:
+            tracker = FloorTracker(nominal)
+        floor = tracker.update(frame.depth, frame.camera)
+        service.note = tracker.note
+        if tracker.note:
+            service.tally.count("floor_kept")
+        yield frame._replace(camera=replace(frame.camera, floor=floor))
 
 
 def serve(service: Service[CaptureConfig]) -> None:

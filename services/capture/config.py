@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import math
-from typing import Annotated, Literal, Self
+from typing import Annotated, ClassVar, Literal, Self
 
 from pydantic import Field, model_validator
 
-from common.config import ServiceConfig
+from common.config import Profiles, ServiceConfig
 from common.geometry import Camera, FloorPlane, Intrinsics, check_camera
 from common.message import ListAsTuple
 
@@ -17,10 +17,15 @@ KINECT = (640, 480)  # pixels
 class CaptureConfig(ServiceConfig):
     """Where depth frames come from, how the camera is mounted, and how frames travel."""
 
+    PROFILES: ClassVar[Profiles] = {"paper": {"floor": "fixed"}}
+
     source: Literal["simulator", "replay", "kinect"] = "simulator"
     compressed: bool = True  # without loss; False sends raw 16UC1
     frame: str = "camera_depth_optical_frame"
     rate: Annotated[float, Field(gt=0, le=1000)] = 30.0  # [Hz] of the simulator and of a replay
+
+    # where the floor is in a frame: where the mount has it, or measured in the frame, near the mount
+    floor: Literal["fixed", "tracked"] = "tracked"
 
     # the nominal mount, for the simulator and the Kinect; a depth folder brings its own
     height: Annotated[float, Field(gt=0, le=20)] = 0.30  # [m] of the camera above the floor
@@ -33,6 +38,7 @@ class CaptureConfig(ServiceConfig):
 
     # simulator
     world: str = "paper_room"
+    simulation: str = ""  # address of a running `python -m simulator`, path or HOST:PORT; empty: nothing moves
     seed: Annotated[int, Field(ge=0)] = 0  # of the sensor's noise
 
     # kinect
@@ -51,10 +57,10 @@ class CaptureConfig(ServiceConfig):
         check_camera(self.kinect())
         return self
 
-    def floor(self) -> FloorPlane:
+    def mounted_floor(self) -> FloorPlane:
         """The floor as the mount has it."""
         return FloorPlane.from_mount(self.height, math.radians(self.pitch), math.radians(self.roll))
 
     def kinect(self) -> Camera:
         """The Kinect as it is mounted."""
-        return Camera(*KINECT, Intrinsics(*self.intrinsics), self.range, self.floor())
+        return Camera(*KINECT, Intrinsics(*self.intrinsics), self.range, self.mounted_floor())

@@ -32,7 +32,7 @@ def _replay(config: CaptureConfig) -> Source:
 def _simulator(config: CaptureConfig) -> Source:
     from services.capture.simulated import Simulated
 
-    return Simulated(config.world, config.floor(), config.rate, config.seed)
+    return Simulated(config.world, config.mounted_floor(), config.rate, config.seed)
 
 
 def _kinect(config: CaptureConfig) -> Source:

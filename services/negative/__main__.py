@@ -2,26 +2,31 @@
 
 from __future__ import annotations
 
+import threading
+
 from common import topics
 from common.combine import combine
 from common.scans import BLANK, laser_scan
 from common.service import Service, main
 from services.negative.config import NegativeConfig
-from services.negative.methods import beams_by_method
+from services.negative.methods import RUN, beams_by_method
 
 
 def serve(service: Service[NegativeConfig]) -> None:
-    """Answer each depth image with the scan of every method and the combination of all."""
+    """Answer each depth image with the combined scan, and with that of every method it is made of or somebody hears."""
     config = service.config
-    beams_by_method(BLANK, config)
-    methods = {method: service.publisher(topics.scan_negative(method)) for method in config.methods}
+    beams_by_method(BLANK, config, config.methods)
+    threading.Thread(target=beams_by_method, args=(BLANK, config, RUN), daemon=True).start()  # compiles the others
+    scans = {method: service.publisher(topics.scan_negative(method)) for method in RUN}
     combined = service.publisher(topics.SCAN_NEGATIVE)
     for image in service.newest(topics.DEPTH):
-        found = beams_by_method(image, config)
-        combined.put(laser_scan(image, combine(list(found.values())), config))
+        wanted = [method for method in RUN if method in config.methods or scans[method].heard]
+        found = beams_by_method(image, config, wanted)
+        beams = combine([found[method] for method in config.methods])
+        combined.put(laser_scan(image, beams, config))
         service.tally.output(image.stamp)
-        for method, beams in found.items():
-            methods[method].put(laser_scan(image, beams, config))
+        for method in wanted:
+            scans[method].put(laser_scan(image, found[method], config))
 
 
 if __name__ == "__main__":

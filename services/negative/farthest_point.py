@@ -5,23 +5,29 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from common.combine import Ranges
-from common.points import Columns, Metres
+from common.grid import Grid
+from common.points import Metres, Points
+from common.sight import NOTHING, Indices, Ranges, least, sight_of
+
+
+def farthest_point(points: Points, grid: Grid, floor_band: float) -> Ranges:
+    """Range [m] of the farthest floor point in each beam: (beams,); NaN where a beam saw no floor.
+
+    A floor point lies within floor_band [m] of the floor plane. Paper: algorithm 1, equations (1) to (3).
+    """
+    sight = sight_of(points.view, grid)
+    return -least(nearness(points.heights, points.distances, sight.starts, floor_band), sight)
 
 
 @njit(cache=True)
-def farthest_point(heights: Metres, distances: Metres, first: Columns, end: Columns, floor_band: float) -> Ranges:
-    """Range [m] of the farthest floor point in each beam: (beams,); NaN where a beam saw no floor.
-
-    The arrays are those of Points. A floor point lies within floor_band [m] of the floor plane.
-    Paper: algorithm 1, equations (1) to (3).
-    """
-    rows, beams = first.shape
-    farthest = np.full(beams, np.nan)
-    for row in range(rows):
-        for beam in range(beams):
-            for column in range(first[row, beam], end[row, beam]):
-                distance = distances[row, column]
-                if abs(heights[row, column]) <= floor_band and not distance <= farthest[beam]:
-                    farthest[beam] = distance
-    return farthest.astype(np.float32)
+def nearness(heights: Metres, distances: Metres, starts: Indices, floor_band: float) -> Metres:
+    """Less the distance [m] of the farthest floor point of each column, in each stretch: (stretches, columns)."""
+    farthest = np.full((len(starts) - 1, heights.shape[1]), NOTHING)
+    for stretch in range(len(starts) - 1):
+        for row in range(starts[stretch], starts[stretch + 1]):
+            for column in range(heights.shape[1]):
+                floor = abs(heights[row, column]) <= floor_band
+                value = -distances[row, column] if floor else NOTHING
+                before = farthest[stretch, column]
+                farthest[stretch, column] = value if value < before else before
+    return farthest

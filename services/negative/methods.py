@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 
 from common.combine import Beams
 from common.evidence import Evidence
@@ -11,18 +11,32 @@ from common.points import Points
 from common.scans import points
 from services.negative.config import Method, NegativeConfig
 from services.negative.farthest_point import farthest_point
+from services.negative.near_edge import near_edge
 from services.negative.virtual_floor import virtual_floor
 
-RUN: dict[Method, Callable[[Points, float, float], Beams]] = {
-    "farthest_point": lambda seen, band, _height: Beams.of(farthest_point(*seen, band), Evidence.FARTHEST_FLOOR),
-    "virtual_floor": lambda seen, band, height: Beams.of(virtual_floor(*seen, band, height), Evidence.DROP),
+
+def _farthest_point(seen: Points, config: NegativeConfig) -> Beams:
+    return Beams.of(farthest_point(seen, config.grid(), config.floor_band), Evidence.FARTHEST_FLOOR)
+
+
+def _virtual_floor(seen: Points, config: NegativeConfig) -> Beams:
+    return Beams.of(virtual_floor(seen, config.grid(), config.floor_band), Evidence.DROP)
+
+
+def _near_edge(seen: Points, config: NegativeConfig) -> Beams:
+    limits = config.limits(seen.view.camera)
+    return near_edge(seen, config.grid(), limits, config.floor_lost, config.baseline)
+
+
+RUN: dict[Method, Callable[[Points, NegativeConfig], Beams]] = {
+    "farthest_point": _farthest_point,
+    "virtual_floor": _virtual_floor,
+    "near_edge": _near_edge,
 }
 
 
-def beams_by_method(image: DepthImage, config: NegativeConfig) -> dict[Method, Beams]:
-    """What each configured method finds in `image`."""
-    seen = points(image, config)
+def beams_by_method(image: DepthImage, config: NegativeConfig, methods: Iterable[Method]) -> dict[Method, Beams]:
+    """What each of these methods finds in `image`."""
+    seen = points(image, config, lower_than=config.floor_band)
     reach = config.reach(image.camera)
-    return {
-        method: RUN[method](seen, config.floor_band, image.camera.floor.d).within(reach) for method in config.methods
-    }
+    return {method: RUN[method](seen, config).within(reach) for method in methods}

@@ -5,31 +5,36 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from common.combine import Ranges
-from common.points import Columns, Metres
+from common.grid import Grid
+from common.points import Metres, Points
+from common.sight import LOOKED, NOTHING, Indices, Ranges, least, sight_of
 
 
-@njit(cache=True)
-def virtual_floor(
-    heights: Metres, distances: Metres, first: Columns, end: Columns, floor_band: float, camera_height: float
-) -> Ranges:
+def virtual_floor(points: Points, grid: Grid, floor_band: float) -> Ranges:
     """Range [m] of the nearest point below the floor, moved along its ray up to the floor: (beams,).
 
-    The arrays are those of Points; below the floor means by more than floor_band [m]. +inf where floor and nothing
-    below it was seen, NaN where neither was. Paper: algorithm 2, equations (4) and (5).
+    Below the floor means by more than floor_band [m]. +inf where floor and nothing below it was seen, NaN where
+    neither was. Paper: algorithm 2, equations (4) and (5).
     """
-    rows, beams = first.shape
-    nearest = np.full(beams, np.nan)
-    for row in range(rows):
-        for beam in range(beams):
-            for column in range(first[row, beam], end[row, beam]):
+    sight = sight_of(points.view, grid)
+    band, height = np.float32(floor_band), np.float32(points.view.camera.floor.d)
+    moved = projected(points.heights, points.distances, sight.starts, band, height)
+    return least(moved, sight)
+
+
+@njit(cache=True, error_model="numpy")
+def projected(
+    heights: Metres, distances: Metres, starts: Indices, floor_band: np.float32, camera_height: np.float32
+) -> Metres:
+    """The nearest moved point [m] of each column, in each stretch: (stretches, columns)."""
+    nearest = np.full((len(starts) - 1, heights.shape[1]), NOTHING)
+    for stretch in range(len(starts) - 1):
+        for row in range(starts[stretch], starts[stretch + 1]):
+            for column in range(heights.shape[1]):
                 height = heights[row, column]
-                if height < -floor_band:
-                    moved = distances[row, column] * camera_height / (camera_height - height)  # y'/y of equation (4)
-                elif height <= floor_band:
-                    moved = np.inf
-                else:
-                    continue
-                if not moved >= nearest[beam]:
-                    nearest[beam] = moved
-    return nearest.astype(np.float32)
+                share = camera_height / (camera_height - height)  # y'/y of equation (4)
+                value = distances[row, column] * share if height < -floor_band else LOOKED
+                value = value if height <= floor_band else NOTHING
+                before = nearest[stretch, column]
+                nearest[stretch, column] = value if value < before else before
+    return nearest

@@ -5,28 +5,32 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from common.combine import Ranges
-from common.points import Columns, Metres
+from common.grid import Grid
+from common.points import Metres, Points
+from common.sight import LOOKED, NOTHING, Indices, Ranges, least, sight_of
+
+
+def projection(points: Points, grid: Grid, floor_band: float, robot_height: float) -> Ranges:
+    """Range [m] of the nearest point above the floor band and not above the robot, in each beam: (beams,).
+
+    +inf where a beam saw floor, or below it, and nothing in the way; NaN where it saw neither: what is higher than the
+    robot tells nothing of what stands below it.
+    """
+    sight = sight_of(points.view, grid)
+    standing = brought_down(points.heights, points.distances, sight.starts, floor_band, robot_height)
+    return least(standing, sight)
 
 
 @njit(cache=True)
-def projection(
-    heights: Metres, distances: Metres, first: Columns, end: Columns, floor_band: float, robot_height: float
-) -> Ranges:
-    """Range [m] of the nearest point above the floor band and not above the robot, in each beam: (beams,).
-
-    The arrays are those of Points. +inf where a beam saw floor, or below it, and nothing in the way; NaN where it saw
-    neither: what is higher than the robot tells nothing of what stands below it.
-    """
-    rows, beams = first.shape
-    nearest = np.full(beams, np.nan)
-    for row in range(rows):
-        for beam in range(beams):
-            for column in range(first[row, beam], end[row, beam]):
+def brought_down(heights: Metres, distances: Metres, starts: Indices, floor_band: float, robot_height: float) -> Metres:
+    """The nearest such point [m] of each column, in each stretch: (stretches, columns)."""
+    nearest = np.full((len(starts) - 1, heights.shape[1]), NOTHING)
+    for stretch in range(len(starts) - 1):
+        for row in range(starts[stretch], starts[stretch + 1]):
+            for column in range(heights.shape[1]):
                 height = heights[row, column]
-                if not height <= robot_height:
-                    continue
-                distance = distances[row, column] if height > floor_band else np.inf
-                if not distance >= nearest[beam]:
-                    nearest[beam] = distance
-    return nearest.astype(np.float32)
+                value = distances[row, column] if height > floor_band else LOOKED
+                value = value if height <= robot_height else NOTHING
+                before = nearest[stretch, column]
+                nearest[stretch, column] = value if value < before else before
+    return nearest

@@ -39,7 +39,8 @@ def replay(folder, **settings):
 @pytest.mark.parametrize("compressed", ["true", "false"])
 def test_a_folder_is_played_once_whole_and_in_order(client, start, folder, compressed):
     ear = client.listen("camera/depth")
-    process = start("capture", *replay(folder, compressed=compressed, loop="false", rate=100), wait=False)
+    settings = {"compressed": compressed, "floor": "fixed", "loop": "false", "rate": 100}
+    process = start("capture", *replay(folder, **settings), wait=False)
     for number, depth in enumerate(FRAMES):
         message = ear.get()
         assert message["seq"] == number

@@ -1,4 +1,4 @@
-"""The scanning services answer a foreign client's raw frames with the paper's scans."""
+"""The scanning services answer a foreign client's raw frames: as the paper has it, and as they do by default."""
 
 import math
 
@@ -31,7 +31,7 @@ CAMERAS = [
 def services(start):
     beams = f"beams={GRID.beams}"
     for service, options in (
-        ("negative", ["--set", f"negative.{beams}"]),
+        ("negative", ["--set", f"negative.{beams}", "--set", "profile=paper"]),
         ("positive", ["--set", f"positive.{beams}"]),
         ("fuse", []),
     ):
@@ -83,3 +83,22 @@ def test_scans_keep_the_contract(client, ears):
     client.put("camera/depth", image(camera, scenes.depth(camera), 6))
     for path, ear in ears.items():
         assert ear.encoding() == f"application/msgpack;{SCANS[path]}"
+
+
+@pytest.fixture
+def negative(client, start):
+    start("negative", "--set", "negative.beams=160")
+
+
+def test_by_default_negative_is_near_edge(client, negative):
+    near, combined = client.listen("scan/negative/near_edge"), client.listen("scan/negative")
+    paper = [client.listen(f"scan/negative/{method}") for method in ("farthest_point", "virtual_floor")]
+    camera = scenes.camera(160, 120, FloorPlane.from_mount(0.3, math.radians(12)))
+    client.put("camera/depth", image(camera, scenes.depth(camera, [scenes.HOLE]), 5))
+    one, other = near.get(), combined.get()
+    assert one["ranges"] == other["ranges"]
+    assert one["intensities"] == other["intensities"]
+    on_hole = np.abs(np.tan(np.radians(np.linspace(-29, 29, 160))) * scenes.HOLE[0]) < 0.3
+    assert_allclose(ranges(one)[on_hole] * np.cos(np.radians(np.linspace(-29, 29, 160)))[on_hole], 1.5, atol=0.06)
+    assert set(intensities(one)[on_hole]) == {2}
+    assert not any(ear.all() for ear in paper)

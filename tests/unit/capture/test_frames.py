@@ -48,7 +48,7 @@ class Script:
 
 @pytest.fixture
 def service():
-    return build.service("capture", CaptureConfig(source="kinect"))
+    return build.service("capture", CaptureConfig(source="kinect", floor="fixed"))
 
 
 @pytest.fixture

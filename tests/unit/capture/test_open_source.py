@@ -46,7 +46,7 @@ def test_a_missing_library_is_named_with_the_extra_that_brings_it(source, missin
 @pytest.mark.parametrize(("pitch", "roll"), [(0, 0), (86.9, 0), (-86.9, 180), (30, -180), (10, 90)])
 def test_any_mount_that_can_be_configured_is_a_possible_floor(pitch, roll):
     config = CaptureConfig(height=0.5, pitch=pitch, roll=roll)
-    floor = config.floor()
+    floor = config.mounted_floor()
     assert floor.d == 0.5
     assert floor.nz == pytest.approx(-math.sin(math.radians(pitch)))
     assert math.hypot(*floor[:3]) == pytest.approx(1)

@@ -15,7 +15,8 @@ from services.negative.config import NegativeConfig
 from tests import build, scenes
 
 CAMERA = scenes.camera(floor=FloorPlane.from_mount(0.3, math.radians(12)))
-METHODS = ("farthest_point", "virtual_floor")
+METHODS = ("farthest_point", "virtual_floor", "near_edge")
+PAPER = METHODS[:2]
 
 
 def published(config, lost, monkeypatch):
@@ -30,15 +31,16 @@ def published(config, lost, monkeypatch):
 
 @pytest.mark.parametrize("range_max", [10.0, 1.7])
 @pytest.mark.parametrize("lost", [0.0, 0.9, 1.0])
-def test_it_is_the_combination_of_the_others(range_max, lost, monkeypatch):
-    scans, combined = published(NegativeConfig(range_max=range_max), lost, monkeypatch)
+@pytest.mark.parametrize("methods", [PAPER, METHODS], ids=["paper", "all"])
+def test_it_is_the_combination_of_the_others(range_max, lost, methods, monkeypatch):
+    scans, combined = published(NegativeConfig(range_max=range_max, methods=methods), lost, monkeypatch)
     expected = combine([Beams(scan.ranges, scan.intensities) for scan in scans])
     assert_array_equal(combined.ranges, expected.ranges)
     assert_array_equal(combined.intensities, expected.evidence)
 
 
 def test_nothing_beyond_range_max_is_said(monkeypatch):
-    scans, combined = published(NegativeConfig(range_max=1.7), 0.0, monkeypatch)
+    scans, combined = published(NegativeConfig(range_max=1.7, methods=METHODS), 0.0, monkeypatch)
     for scan in (*scans, combined):
         assert scan.range_max == 1.7
         assert (scan.ranges[np.isfinite(scan.ranges)] <= np.float32(1.7)).all()
@@ -46,9 +48,9 @@ def test_nothing_beyond_range_max_is_said(monkeypatch):
 
 
 def test_every_scan_is_of_the_frame(monkeypatch):
-    scans, combined = published(NegativeConfig(), 0.0, monkeypatch)
+    scans, combined = published(NegativeConfig(methods=METHODS), 0.0, monkeypatch)
     assert {(scan.seq, scan.stamp, len(scan.ranges)) for scan in [*scans, combined]} == {(1, 2, 640)}
-    assert [set(np.unique(scan.intensities)) - {0} for scan in scans] == [{4}, {2}]
+    assert [set(np.unique(scan.intensities)) - {0} for scan in scans] == [{4}, {2}, {2}]
 
 
 @pytest.mark.parametrize("method", METHODS)

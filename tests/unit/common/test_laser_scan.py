@@ -61,7 +61,7 @@ def test_range_max_is_no_farther_than_the_sensor_reaches():
 
 def test_what_the_sensor_sees_at_the_end_of_its_reach_is_reported():
     view = camera(reach=(0.5, 2.0))
-    corner = points(image(view, 2000), CONFIG).distances.max()
+    corner = points(image(view, 2000), CONFIG, INF).distances.max()
     assert beams(corner).within(CONFIG.reach(view)).ranges[0] == np.float32(corner)
 
 
@@ -83,11 +83,11 @@ def test_the_grid_is_as_configured(beams, view):
 
 
 def test_points_nearer_than_range_min_are_left_out():
-    near = points(image(millimetres=600), ScanConfig(range_min=0.9))
+    near = points(image(millimetres=600), ScanConfig(range_min=0.9), INF)
     assert np.isnan(near.heights).all()
-    assert np.isfinite(points(image(millimetres=600), ScanConfig(range_min=0.5)).heights).all()
+    assert np.isfinite(points(image(millimetres=600), ScanConfig(range_min=0.5), INF).heights).all()
 
 
 def test_the_blank_frame_is_a_frame():
     assert DepthImage.decode(BLANK.encode()).camera == BLANK.camera
-    assert np.isnan(points(BLANK, ScanConfig()).heights).all()
+    assert np.isnan(points(BLANK, ScanConfig(), INF).heights).all()

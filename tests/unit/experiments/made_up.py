@@ -6,7 +6,8 @@ from common.combine import Beams, combine
 from common.depth_codec import RAW
 from common.evidence import Evidence
 from common.messages import DepthImage
-from common.scans import ScanConfig, laser_scan, points
+from common.points import points_of
+from common.scans import ScanConfig, laser_scan
 from experiments.frames import Frame, scan_paths
 from services.negative.farthest_point import farthest_point
 from services.negative.virtual_floor import virtual_floor
@@ -26,12 +27,12 @@ def image(name="hole and box", seq=0, stamp=1):
 def frame(name="hole and box", seq=0, stamp=1):
     depth = image(name, seq, stamp)
     config = ScanConfig(beams=80)
-    seen = points(depth, config)
+    seen, grid = points_of(depth.depth, depth.camera), config.grid()
     negative = [
-        Beams.of(farthest_point.py_func(*seen, BAND), Evidence.FARTHEST_FLOOR),
-        Beams.of(virtual_floor.py_func(*seen, BAND, 0.3), Evidence.DROP),
+        Beams.of(farthest_point(seen, grid, BAND), Evidence.FARTHEST_FLOOR),
+        Beams.of(virtual_floor(seen, grid, BAND), Evidence.DROP),
     ]
-    positive = Beams.of(projection.py_func(*seen, BAND, ROBOT), Evidence.POSITIVE)
+    positive = Beams.of(projection(seen, grid, BAND, ROBOT), Evidence.POSITIVE)
     beams = [*negative, combine(negative), positive, combine([positive, combine(negative)])]
     return Frame(depth, {path: laser_scan(depth, each, config) for path, each in zip(PATHS, beams, strict=True)})
 

@@ -11,6 +11,8 @@ from numpy.testing import assert_allclose
 from common.depth_codec import LEVELS, RAW
 from common.geometry import FloorPlane
 from common.messages import DepthImage
+from common.points import Points
+from common.view import view_of
 from services.positive.__main__ import obstacles, serve
 from services.positive.config import PositiveConfig
 from services.positive.projection import projection
@@ -62,8 +64,9 @@ def test_what_is_between_the_floor_and_the_robots_height_is_in_the_way(bottom, t
     [(-9.0, math.inf), (0.03, math.inf), (0.031, 2.0), (0.42, 2.0), (0.421, math.nan), (math.nan, math.nan)],
 )
 def test_the_floor_band_and_the_robots_height_belong_to_themselves(height, found):
-    seen = np.array([[height]]), np.array([[2.0]]), np.array([[0]], np.int32), np.array([[1]], np.int32)
-    np.testing.assert_array_equal(projection(*seen, 0.03, 0.42), np.float32([found]))
+    everywhere = np.full((48, 64), height, np.float32), np.full((48, 64), 2.0, np.float32)
+    seen = Points(*everywhere, view_of(scenes.camera(), math.inf))
+    np.testing.assert_array_equal(projection(seen, CONFIG.grid(), 0.03, 0.42), np.full(31, found, np.float32))
 
 
 def test_what_is_nearer_than_range_min_is_part_of_the_robot():

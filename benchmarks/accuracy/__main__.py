@@ -1,0 +1,88 @@
+"""Score every method of negative on random scenes: python -m benchmarks.accuracy [--scenes N] [--seed S] ..."""
+
+from __future__ import annotations
+
+import argparse
+import os
+from collections.abc import Sequence
+from pathlib import Path
+
+from benchmarks.accuracy.cases import Case, some_cases
+from benchmarks.accuracy.frames import KNOWN, PLANES
+from benchmarks.accuracy.measure import measure
+from benchmarks.accuracy.progress import progress_line
+from benchmarks.accuracy.records import record, worst, write_csv
+from benchmarks.accuracy.report import report, unique
+from benchmarks.accuracy.rows import Row, Table
+from benchmarks.accuracy.scans import BEST, known_scans
+
+OUT = Path("out/accuracy")
+QUICK = 60  # scenes
+PICTURES = 4  # of each plane mode
+
+
+def arguments() -> argparse.Namespace:
+    """The options."""
+    parser = argparse.ArgumentParser(prog="python -m benchmarks.accuracy", description=__doc__)
+    parser.add_argument("--scenes", type=int, default=400, help="about how many random scenes (400)")
+    parser.add_argument("--seed", type=int, default=1, help="of all random numbers (1)")
+    parser.add_argument("--methods", nargs="+", choices=[*known_scans()], default=[*known_scans()], help="all, if none")
+    parser.add_argument("--planes", type=planes, default=PLANES, help=f"with commas between ({','.join(PLANES)})")
+    parser.add_argument("--out", type=Path, default=OUT, help=f"folder of the results ({OUT})")
+    parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1, help="processes (one for each core)")
+    parser.add_argument("--quick", action="store_true", help=f"{QUICK} scenes, plane known")
+    parser.add_argument("--pictures", type=int, default=PICTURES, help=f"of the worst cases, each plane ({PICTURES})")
+    parser.add_argument("--only", type=Case.parse, metavar="KIND:SEED", help="replay one case, in detail")
+    return parser.parse_args()
+
+
+def planes(text: str) -> tuple[str, ...]:
+    """The plane modes of an option. Raises ArgumentTypeError for another one."""
+    names = tuple(text.split(","))
+    if unknown := set(names) - set(PLANES):
+        raise argparse.ArgumentTypeError(f"no plane mode: {', '.join(unknown)}")
+    return names
+
+
+def show(rows: Sequence[Row], scans: Sequence[str], out: Path) -> None:
+    """Write a picture of each row's case, all scans in it."""
+    from benchmarks.accuracy.pictures import draw  # needs matplotlib
+
+    out.mkdir(parents=True, exist_ok=True)
+    for number, row in enumerate(rows, start=1):
+        name = f"{row.plane}-{number}-{row.case.name}.png".replace(", ", "-").replace(":", "-")
+        draw(row.case, row.plane, scans, out / name)
+        print(f"{out / name}")
+
+
+def replay(table: Table, scans: Sequence[str], out: Path) -> None:
+    """Print all that was measured of one case, and write its picture in each plane mode."""
+    for row in table.rows:
+        print(", ".join(f"{key} {value}" for key, value in record(row).items()))
+    show([row for row in table.rows if row.scan == scans[0]], scans, out)
+
+
+def main() -> None:
+    """Measure, and write what was found."""
+    options = arguments()
+    cases = [options.only] if options.only else some_cases(QUICK if options.quick else options.scenes, options.seed)
+    modes = (KNOWN,) if options.quick else options.planes
+    options.out.mkdir(parents=True, exist_ok=True)
+    table = measure(cases, options.methods, modes, options.jobs, progress_line())
+    if options.only:
+        replay(table, options.methods, options.out)
+        return
+    text = report(table)
+    print(text)
+    (options.out / "accuracy.md").write_text(text)
+    write_csv(table.rows, options.out / "cases.csv")
+    pictures = options.out / "worst"
+    for stale in pictures.glob("*.png"):
+        stale.unlink()
+    best = BEST if BEST in options.methods else options.methods[-1]
+    for plane in unique(row.plane for row in table.rows):
+        show(worst(table.rows, best, plane, options.pictures), options.methods, pictures)
+
+
+if __name__ == "__main__":
+    main()

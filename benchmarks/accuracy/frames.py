@@ -1,0 +1,110 @@
+"""Noisy Kinect frames of a case, with the floor plane that the service would be given."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+from benchmarks.accuracy.cases import Case, camera_of, scene_of
+from benchmarks.accuracy.mounts import moved, pose
+from benchmarks.accuracy.polygons import contains
+from benchmarks.accuracy.scene import Scene
+from common.geometry import Camera, FloorPlane, scan_axes
+from services.capture.floor_tracker import FloorTracker
+from simulator.faces import Faces, pack
+from simulator.kinect import Image, KinectModel, Millimetres, measure, returns
+from simulator.rasteriser import depth_image
+
+KNOWN, UNKNOWN, WOBBLING = "known", "unknown", "wobbling"
+PLANES = (KNOWN, UNKNOWN, WOBBLING)
+TRACKED = "tracked"
+
+TILT = 2.0  # [deg] by which pitch and roll are unknown, and by which a wobbling robot nods
+LIFT = 0.01  # [m] by which the height is unknown
+RATE, NODS = 30.0, 5.0  # [Hz] frames and nods
+WOBBLE_FRAMES, SETTLING = 17, 5  # frames of a wobbling sequence, and how many of them are not scored
+SETTLED = 3  # frames that a tracker gets of a still scene
+
+
+class Frame(NamedTuple):
+    """A frame, and what is only known in a simulation: the camera's true place."""
+
+    depth: Millimetres
+    camera: Camera  # with the floor that the frame is said to have
+    true: Camera
+    plane: str  # the plane mode, and whether it was tracked
+
+
+class Sensor:
+    """A noisy Kinect before a scene."""
+
+    def __init__(self, scene: Scene, rng: np.random.Generator) -> None:
+        self.scene, self._rng = scene, rng
+        self._model = KinectModel(dropout=scene.dropout)
+        self._faces: Faces = pack(scene.faces)
+
+    def exact(self, camera: Camera) -> Image:
+        """Exact depth [m]: (rows, cols), inf = nothing."""
+        return depth_image(self._faces, *pose(camera), camera)
+
+    def frame(self, camera: Camera) -> Millimetres:
+        """A frame as the sensor reports it: (rows, cols) [mm]."""
+        exact = self.exact(camera)
+        inverse = returns(exact, camera, self._model)
+        if self.scene.glossy:
+            inverse[self._mirrored(exact, camera)] = 0.0
+        return measure(inverse, camera, self._model, self._rng)
+
+    def _mirrored(self, exact: Image, camera: Camera) -> np.ndarray[tuple[int, ...], np.dtype[np.bool_]]:
+        """Which pixels show the floor within a glossy patch: (rows, cols)."""
+        forward, left, up = (axis.table() for axis in scan_axes(camera))
+        on_floor = np.abs(up * exact + camera.floor.d) < 1e-3
+        points = np.stack([forward[on_floor], left[on_floor]], axis=-1) * exact[on_floor][:, None]
+        lost = np.zeros(exact.shape, dtype=bool)
+        lost[on_floor] = np.any([contains(patch, points) for patch in self.scene.glossy], axis=0)
+        return lost
+
+
+def frames_of(case: Case, plane: str) -> Iterator[Frame]:
+    """The frames of a case that are scored in a plane mode; those of a wrong plane once more with it tracked."""
+    camera, rng = camera_of(case), case.rng(plane)
+    sensor = Sensor(scene_of(case), rng)
+    if plane == KNOWN:
+        yield Frame(sensor.frame(camera), camera, camera, plane)
+    elif plane == UNKNOWN:
+        yield from still(sensor, camera, rng)
+    else:
+        yield from nodding(sensor, camera)
+
+
+def still(sensor: Sensor, true: Camera, rng: np.random.Generator) -> Iterator[Frame]:
+    """One frame of a camera whose pitch, roll and height are a little other than said."""
+    pitch, roll = np.radians(rng.uniform(-TILT, TILT, 2))
+    said = moved(true, pitch, roll, rng.uniform(-LIFT, LIFT))
+    shots = [sensor.frame(true) for _ in range(SETTLED)]
+    yield Frame(shots[-1], said, true, UNKNOWN)
+    tracker = FloorTracker(said.floor)
+    planes = [tracker.update(shot, said) for shot in shots]
+    yield Frame(shots[-1], with_floor(said, planes[-1]), true, f"{UNKNOWN}, {TRACKED}")
+
+
+def nodding(sensor: Sensor, said: Camera) -> Iterator[Frame]:
+    """A sequence of a camera that nods around the plane that is said."""
+    tracker = FloorTracker(said.floor)
+    for number in range(WOBBLE_FRAMES):
+        nod = math.radians(TILT) * math.sin(2.0 * math.pi * NODS * number / RATE + 0.5)
+        true = moved(said, nod)
+        shot = sensor.frame(true)
+        plane = tracker.update(shot, said)
+        if number >= SETTLING:
+            yield Frame(shot, said, true, WOBBLING)
+            yield Frame(shot, with_floor(said, plane), true, f"{WOBBLING}, {TRACKED}")
+
+
+def with_floor(camera: Camera, floor: FloorPlane) -> Camera:
+    """The same camera over another floor."""
+    return replace(camera, floor=floor)

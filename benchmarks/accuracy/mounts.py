@@ -1,0 +1,49 @@
+"""Where the camera is: on a TurtleBot, level and 0.30 m high, or anywhere a robot may carry it."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+
+from common.geometry import Camera, Floats, FloorPlane, axes
+from simulator.kinect import kinect_camera
+
+HEIGHTS = (0.20, 1.00)  # [m]
+PITCHES = (0.0, 35.0)  # [deg] looking down
+ROLL = 3.0  # [deg] to either side
+EDGES = (0.8, 3.0)  # [m] where edges are sought
+
+
+def any_mount(rng: np.random.Generator) -> Camera:
+    """A Kinect somewhere on a robot, from which floor is seen at the distances of EDGES."""
+    while True:
+        height, pitch = rng.uniform(*HEIGHTS), math.radians(rng.uniform(*PITCHES))
+        camera = kinect_camera(height, pitch, math.radians(rng.uniform(-ROLL, ROLL)))
+        near, far = floor_in_view(camera)
+        if far - near > 0.5:
+            return camera
+
+
+def floor_in_view(camera: Camera) -> tuple[float, float]:
+    """The nearest and the farthest distance [m] ahead at which floor is in the image, within EDGES."""
+    _, _, height, (_, fy, _, cy) = camera.width, camera.height, camera.floor.d, camera.intrinsics
+    pitch = math.asin(-camera.floor.nz)
+    low = pitch + math.atan((camera.height - 1 - cy) / fy)
+    high = pitch - math.atan(cy / fy)
+    far = height / math.tan(high) if high > 0.0 else math.inf
+    near = height / math.tan(low) if low < math.pi / 2 else 0.0
+    return max(EDGES[0], near + 0.15), min(EDGES[1], far - 0.3)
+
+
+def pose(camera: Camera) -> tuple[Floats, Floats]:
+    """The camera's position (3,) [m] and its rotation (3, 3) from the optical frame, both in the scan frame."""
+    return np.array([0.0, 0.0, camera.floor.d]), np.stack(axes(camera.floor))
+
+
+def moved(camera: Camera, pitch: float, roll: float = 0.0, lift: float = 0.0) -> Camera:
+    """The camera tilted farther down and to the right [rad], and lifted [m]."""
+    was = math.asin(-camera.floor.nz), math.atan2(-camera.floor.nx, -camera.floor.ny)
+    floor = FloorPlane.from_mount(camera.floor.d + lift, was[0] + pitch, was[1] + roll)
+    return replace(camera, floor=floor)

@@ -1,0 +1,38 @@
+"""What the methods of negative report on a frame, each alone and combined as the paper and the defaults do."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import get_args
+
+from benchmarks.accuracy.frames import Frame
+from common.combine import Beams, Ranges, combine
+from common.depth_codec import RAW
+from common.messages import DepthImage
+from services.negative.config import Method, NegativeConfig
+from services.negative.methods import beams_by_method
+
+METHODS: tuple[Method, ...] = get_args(Method)
+PAPER: tuple[Method, ...] = ("farthest_point", "virtual_floor")
+BEST = "near_edge"  # the scan whose worst cases are drawn
+CONFIG = NegativeConfig(methods=METHODS)
+ANGLES = CONFIG.grid().angles()  # [rad]
+
+
+def known_scans() -> dict[str, tuple[Method, ...]]:
+    """The scans that are scored, by name, and the methods that each combines."""
+    scans: dict[str, tuple[Method, ...]] = {method: (method,) for method in METHODS}
+    scans["paper"] = PAPER
+    default = NegativeConfig().methods
+    if set(default) not in (set(methods) for methods in scans.values()):
+        scans["default"] = default
+    return scans
+
+
+def ranges_of(frame: Frame, names: Sequence[str]) -> dict[str, Ranges]:
+    """The ranges (beams,) [m] of each scan: number, +inf or NaN."""
+    scans = {name: known_scans()[name] for name in names}
+    used = tuple(method for method in METHODS if any(method in methods for methods in scans.values()))
+    image = DepthImage.pack(0, 0, "", frame.depth, frame.camera, RAW)
+    found: dict[Method, Beams] = beams_by_method(image, CONFIG, used)
+    return {name: combine([found[method] for method in methods]).ranges for name, methods in scans.items()}

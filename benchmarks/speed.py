@@ -1,0 +1,149 @@
+"""How long one frame takes, by method and beside a plain NumPy version: python -m benchmarks.speed [--frames N].
+
+All are measured in one run, in turn, so that a busy machine is as hard on one as on the other. Where the executables or
+sources of a peer are not present, it is not in the table.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import subprocess
+import sys
+import tempfile
+from collections.abc import Callable
+from dataclasses import replace
+from itertools import count
+from statistics import median
+from time import perf_counter
+
+import numpy as np
+from rich.console import Console
+from rich.table import Table
+
+from common.combine import combine
+from common.depth_codec import RAW
+from common.geometry import FloorPlane, scan_axes
+from common.grid import Grid
+from common.messages import DepthImage
+from common.scans import points
+from services.capture.floor_tracker import FloorTracker
+from services.negative.config import NegativeConfig
+from services.negative.methods import RUN, beams_by_method
+from services.positive.__main__ import obstacles
+from services.positive.config import PositiveConfig
+from simulator.camera import SimulatedKinect
+from simulator.kinect import KinectModel, kinect_camera
+
+WORLDS = {"paper_room": 0.0, "stairs_corridor": 0.0, "empty_room": 0.0, "paper_room, 20° down": 20.0}
+PAPER = NegativeConfig(methods=("farthest_point", "virtual_floor"))
+OURS = NegativeConfig(methods=("near_edge",))
+ALL = NegativeConfig(methods=("farthest_point", "virtual_floor", "near_edge"))
+POSITIVE = PositiveConfig()
+COLD = """
+from services.negative.__main__ import beams_by_method, BLANK
+from services.negative.config import NegativeConfig
+beams_by_method(BLANK, NegativeConfig(), NegativeConfig().methods)
+"""
+
+
+def image_of(world: str, pitch: float) -> DepthImage:
+    """A noisy frame of a world, by a camera 0.30 m high that looks `pitch` [deg] down."""
+    camera = kinect_camera(pitch=np.radians(pitch))
+    frame = SimulatedKinect(world, camera, KinectModel(dropout=0.05), seed=1).frame()
+    return DepthImage.pack(0, 0, "camera", frame, camera, RAW)
+
+
+def plain_numpy(image: DepthImage, grid: Grid, band: float, robot_height: float) -> None:
+    """The paper's methods and the positive scan as one would write them first, in whole-image operations."""
+    forward, left, up = (axis.table() for axis in scan_axes(image.camera))
+    depth = image.depth * 0.001
+    height = depth * up + image.camera.floor.d
+    distance = np.hypot(forward, left) * depth
+    beam = grid.beam_of(np.arctan2(left, forward))
+    near, far = image.camera.range
+    seen = (depth >= near) & (depth <= far) & (beam >= 0) & (beam < grid.beams)
+    floor, below = seen & (np.abs(height) <= band), seen & (height < -band)
+    standing = seen & (height > band) & (height <= robot_height)
+    farthest, nearest, positive = np.zeros(grid.beams), np.full(grid.beams, np.inf), np.full(grid.beams, np.inf)
+    np.maximum.at(farthest, beam[floor], distance[floor])
+    drop = image.camera.floor.d
+    np.minimum.at(nearest, beam[below], distance[below] * drop / (drop - height[below]))
+    np.minimum.at(positive, beam[standing], distance[standing])
+    np.minimum(np.minimum(farthest, nearest), positive)
+
+
+def moving(image: DepthImage) -> Callable[[], object]:
+    """The default methods on frames of which each has another floor plane, as a tracker gives them."""
+    planes = (FloorPlane.from_mount(0.30, 1e-6 * step) for step in count())
+
+    def work() -> None:
+        camera = replace(image.camera, floor=next(planes))
+        moved = DepthImage.pack(0, 0, "camera", image.depth, camera, RAW)
+        combine([*beams_by_method(moved, OURS, OURS.methods).values(), obstacles(moved, POSITIVE)])
+
+    return work
+
+
+def jobs(image: DepthImage) -> dict[str, Callable[[], object]]:
+    """What is measured, by name."""
+    seen = points(image, ALL, ALL.floor_band)
+    tracker = FloorTracker(image.camera.floor)
+    beams = list(beams_by_method(image, ALL, ALL.methods).values())
+
+    def fused(config: NegativeConfig) -> Callable[[], object]:
+        return lambda: combine(
+            [combine(list(beams_by_method(image, config, config.methods).values())), obstacles(image, POSITIVE)]
+        )
+
+    return {
+        "heights and distances": lambda: points(image, ALL, ALL.floor_band),
+        **{method: (lambda method=method: RUN[method](seen, ALL)) for method in ALL.methods},
+        "positive, all of it": lambda: obstacles(image, POSITIVE),
+        "combine three": lambda: combine(beams),
+        "default: near_edge + positive + combine": fused(OURS),
+        "default, another floor plane in each frame": moving(image),
+        "paper: both methods + positive + combine": fused(PAPER),
+        "everything: three methods + positive + combine": fused(ALL),
+        "paper in plain NumPy": lambda: plain_numpy(image, ALL.grid(), ALL.floor_band, POSITIVE.robot_height),
+        "floor tracker": lambda: tracker.update(image.depth, image.camera),
+    }
+
+
+def medians(work: dict[str, Callable[[], object]], frames: int) -> dict[str, float]:
+    """Median time [ms] of each, all of them in turn."""
+    taken: dict[str, list[float]] = {name: [] for name in work}
+    for each in work.values():
+        each()
+    for _ in range(frames):
+        for name, each in work.items():
+            start = perf_counter()
+            each()
+            taken[name].append(perf_counter() - start)
+    return {name: 1000.0 * median(times) for name, times in taken.items()}
+
+
+def cold_start() -> float:
+    """Time [s] until a fresh process has its first result, with no kernel compiled before."""
+    with tempfile.TemporaryDirectory() as empty:
+        start = perf_counter()
+        subprocess.run([sys.executable, "-c", COLD], check=True, env={**os.environ, "NUMBA_CACHE_DIR": empty})
+        return perf_counter() - start
+
+
+def main() -> None:
+    """Measure and print."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--frames", type=int, default=200)
+    frames = parser.parse_args().frames
+    columns = {name: medians(jobs(image_of(name.partition(",")[0], pitch)), frames) for name, pitch in WORLDS.items()}
+    table = Table("one frame of 640 x 480, median ms", *columns)
+    for name in next(iter(columns.values())):
+        table.add_row(name, *(f"{column[name]:.3f}" for column in columns.values()))
+    console = Console(width=150)
+    console.print(table)
+    console.print(f"first result of a fresh process without compiled kernels: {cold_start():.1f} s")
+
+
+if __name__ == "__main__":
+    main()

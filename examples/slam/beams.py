@@ -1,0 +1,34 @@
+"""What the beams of a scan say about the ground, as REP-117 has it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from examples.slam.wire import Scan
+
+
+@dataclass(frozen=True)
+class Beams:
+    """Each beam: its direction, how far it tells the ground to be free, and whether something is at that end."""
+
+    angles: NDArray[np.float64]  # (beams,) [rad]
+    free: NDArray[np.float64]  # (beams,) [m]; 0 where it tells nothing
+    hit: NDArray[np.bool_]  # (beams,) an obstacle or an edge at the end of what is free
+
+
+def beams(scan: Scan, reach: float) -> Beams:
+    """What a scan says up to `reach` [m].
+
+    A number is free ground up to an obstacle, or to an edge: a map shows a staircase as it shows a wall. A number
+    without evidence is free ground only; what lies beyond `reach` is free up to there, and so is +inf. NaN was not
+    seen: it says nothing, nor does a number outside the scan's own limits.
+    """
+    ranges = scan.ranges.astype(np.float64)
+    number = (ranges >= scan.range_min) & (ranges <= scan.range_max)
+    evident = scan.evidence > 0 if len(scan.evidence) else True
+    farthest = min(reach, scan.range_max)
+    free = np.where(number, np.minimum(ranges, farthest), np.where(np.isposinf(ranges), farthest, 0.0))
+    return Beams(scan.angles, free, number & (ranges <= farthest) & evident)

@@ -1,0 +1,111 @@
+"""Scans find the robot's pose at the moment they were taken."""
+
+from __future__ import annotations
+
+import logging
+import threading
+from collections import deque
+from typing import NamedTuple
+
+from examples.slam.pose import Pose
+from examples.slam.wire import Odometry, Scan, WireError, read_odometry, read_scan
+
+REMEMBERED = 500  # poses: ten seconds at 50 Hz
+WAITING = 64  # scans that may wait: two seconds at 30 Hz
+TOLD_EVERY = 100  # bad samples
+
+log = logging.getLogger(__name__)
+
+
+class Sighting(NamedTuple):
+    """A scan, and where the robot was by odometry when it was taken."""
+
+    scan: Scan
+    pose: Pose
+
+
+class Trail:
+    """The robot's poses by odometry over the last seconds."""
+
+    def __init__(self) -> None:
+        self._poses: deque[Odometry] = deque(maxlen=REMEMBERED)
+
+    def add(self, odometry: Odometry) -> None:
+        """Take in the newest pose; one from before the last means that the clock was set, and begins anew."""
+        if self._poses and odometry.stamp <= self._poses[-1].stamp:
+            self._poses.clear()
+        self._poses.append(odometry)
+
+    def reaches(self, stamp: int) -> bool:
+        """Whether the pose of that time [ns], or of a later one, is known."""
+        return bool(self._poses) and self._poses[-1].stamp >= stamp
+
+    def at(self, stamp: int) -> Pose | None:
+        """The pose at a time [ns], between the two that are nearest; None outside the times that are known."""
+        later: Odometry | None = None
+        for odometry in reversed(self._poses):
+            if odometry.stamp <= stamp:
+                return _between(odometry, later, stamp)
+            later = odometry
+        return None
+
+
+def _between(before: Odometry, after: Odometry | None, stamp: int) -> Pose | None:
+    if before.stamp == stamp:
+        return before.pose
+    if after is None:
+        return None
+    return before.pose.towards(after.pose, (stamp - before.stamp) / (after.stamp - before.stamp))
+
+
+class Follower:
+    """Pairs scans with odometry, whichever comes first; `hear_...` may be called from any thread."""
+
+    def __init__(self) -> None:
+        self._trail = Trail()
+        self._scans: deque[Scan] = deque(maxlen=WAITING)
+        self._changed = threading.Condition()
+        self._bad = 0
+
+    def hear_scan(self, payload: bytes) -> None:
+        """Take in a LaserScan's bytes."""
+        try:
+            scan = read_scan(payload)
+        except WireError as error:
+            self._complain(error)
+            return
+        with self._changed:
+            self._scans.append(scan)
+            self._changed.notify()
+
+    def hear_odometry(self, payload: bytes) -> None:
+        """Take in an Odometry's bytes."""
+        try:
+            odometry = read_odometry(payload)
+        except WireError as error:
+            self._complain(error)
+            return
+        with self._changed:
+            self._trail.add(odometry)
+            self._changed.notify()
+
+    def next(self, timeout: float) -> Sighting | None:
+        """The next scan whose pose is known, in order of arrival; None where there is none within `timeout` [s].
+
+        A scan from before the first pose is dropped, and so is the oldest where too many wait.
+        """
+        with self._changed:
+            return self._changed.wait_for(self._take, timeout)
+
+    def _take(self) -> Sighting | None:
+        while self._scans and self._trail.reaches(self._scans[0].stamp):
+            scan = self._scans.popleft()
+            pose = self._trail.at(scan.stamp)
+            if pose:
+                return Sighting(scan, pose)
+        return None
+
+    def _complain(self, error: WireError) -> None:
+        if self._bad % TOLD_EVERY == 0:
+            log.warning("dropped a bad sample, number %d: %s", self._bad + 1, error)
+        self._bad += 1

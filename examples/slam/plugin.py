@@ -1,0 +1,117 @@
+"""What every plug-in does: scans go into a mapper, poses and maps come out, and the map is saved at the end."""
+
+from __future__ import annotations
+
+import logging
+import math
+import sys
+import time
+from collections.abc import Callable
+from typing import Protocol
+
+import zenoh
+
+from examples.slam import map_files
+from examples.slam import settings as command_line
+from examples.slam.follow import Follower, Sighting
+from examples.slam.life import Pace, Stop
+from examples.slam.network import Network
+from examples.slam.pose import Pose
+from examples.slam.settings import Settings
+from examples.slam.wire import Map, Scan
+
+MAP_PERIOD = 1.0  # [s] between two maps, at least
+PATIENCE = 0.1  # [s] a wait may last before the plug-in looks whether it should end
+RETRY = 0.5  # [s] between two attempts to reach a router
+
+log = logging.getLogger(__name__)
+
+
+class Mapper(Protocol):
+    """What makes a map of scans."""
+
+    def add(self, scan: Scan, odometry: Pose) -> Pose:
+        """Take in a scan, and where its origin was by odometry; answers where that was on the map."""
+
+    def map(self) -> Map:
+        """The map so far."""
+
+
+class Plugin:
+    """Works off scans; knows what of the map was not yet said and not yet saved."""
+
+    def __init__(self, settings: Settings, mapper: Mapper, network: Network) -> None:
+        self._out, self._camera = settings.out, settings.camera
+        self._robot = settings.camera.step_to(Pose())  # as seen from the scan's origin
+        self._mapper, self._network = mapper, network
+        self._saying, self._saving = Pace(MAP_PERIOD), Pace(settings.every or math.inf)
+        self._saving.due()  # not at once
+        self._newest = self._said = self._saved = 0  # [ns] stamp of the newest scan on the map, when said, when saved
+
+    def take(self, sighting: Sighting) -> None:
+        """Map a scan and say where the robot is."""
+        scan, robot = sighting
+        origin = self._mapper.add(scan, robot.then(self._camera))
+        self._network.say_pose(origin.then(self._robot), scan.stamp)
+        self._newest = scan.stamp
+
+    def tell(self) -> None:
+        """Say the map and save it, where there is something new on it and it is time."""
+        if self._newest != self._said and self._saying.due():
+            grid = self._mapper.map()
+            if grid.cells.size:
+                self._network.say_map(grid, self._newest)
+            self._said = self._newest
+        if self._newest != self._saved and self._saving.due():
+            self.save()
+
+    def save(self) -> None:
+        """Save the map, where files are wanted. Raises OSError."""
+        grid = self._mapper.map()
+        if self._out and grid.cells.size:
+            map_files.save(grid, self._out)
+            log.info("map saved in %s", self._out)
+        self._saved = self._newest
+
+
+def main(program: str, text: str | None, make: Callable[[Settings], Mapper]) -> None:
+    """Run a plug-in from the command line until SIGTERM or Ctrl-C; what prevents it is told in one line."""
+    settings = command_line.read(program, text)
+    logging.basicConfig(level=logging.INFO, format=f"%(asctime)s %(levelname)s {program}: %(message)s")
+    try:
+        if settings.out:
+            settings.out.mkdir(parents=True, exist_ok=True)
+        _run(settings, make(settings), Stop())
+    except (OSError, ImportError) as error:
+        sys.stderr.write(f"{program}: {error}\n")
+        sys.exit(2)
+
+
+def _run(settings: Settings, mapper: Mapper, stop: Stop) -> None:
+    network = _connect(settings, stop)
+    if network is None:
+        return
+    with network:
+        plugin, follower = Plugin(settings, mapper, network), Follower()
+        network.feed(follower)
+        log.info("ready")
+        while not stop.asked:
+            sighting = follower.next(PATIENCE)
+            if sighting:
+                plugin.take(sighting)
+            plugin.tell()
+        plugin.save()
+
+
+def _connect(settings: Settings, stop: Stop) -> Network | None:
+    """The network, as soon as a router answers; None where the process was told to end before that."""
+    told = False
+    while not stop.asked:
+        try:
+            return Network(settings)
+        except zenoh.ZError as error:
+            if not told:
+                log.info("waiting for a router: %s", str(error).split(" at /")[0])
+                told = True
+            time.sleep(RETRY)
+    return None

@@ -1,0 +1,64 @@
+"""What the traces of the columns come to: where each ended, and which ends are to be believed."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numba import njit
+
+from common.geometry import Affine, Floats
+from common.points import Metres
+from services.negative.floor_trace import End
+
+DROP, LOST, UNSEEN = np.float32(End.DROP), np.float32(End.LOST), np.float32(End.UNSEEN)
+SIDE = 4  # columns to either side whose floor levels a column's is averaged with,
+AGREE = 0.01  # [m] if they agree so well: noise in the level is noise in the edge
+NARROWEST = 0.03  # [m] what fewer columns side by side saw is noise
+
+
+@njit(cache=True, error_model="numpy")
+def places(
+    end: Metres, row: Metres, level: Metres, forward: Affine, left: Affine, up: Affine, camera_height: float
+) -> tuple[Floats, Floats]:
+    """Azimuth [rad] and range [m] at which each column's ray of its row meets the floor at its level: (columns,) each.
+
+    end, row, level: as floor_trace has them; forward, left, up: of the view.
+    """
+    columns = len(end)
+    azimuths, ranges = np.empty(columns), np.empty(columns)
+    for u in range(columns):
+        total, many = 0.0, 0
+        for other in range(max(u - SIDE, 0), min(u + SIDE + 1, columns)):
+            alike = (end[other] == DROP or end[other] == LOST) and row[other] >= 0
+            total += level[other] if alike else 0.0
+            many += alike
+        mean = total / many if many else level[u]
+        height = mean if abs(mean - level[u]) < AGREE else level[u]
+        v = max(int(row[u]), 0)
+        ahead, aside = forward.columns[u] + forward.rows[v], left.columns[u] + left.rows[v]
+        azimuths[u] = math.atan2(aside, ahead)
+        ranges[u] = math.hypot(ahead, aside) * (height - camera_height) / (up.columns[u] + up.rows[v])
+    return azimuths, ranges
+
+
+@njit(cache=True)
+def take_back(end: Metres, ranges: Floats, width: float, alone: bool, lost_counts: bool) -> None:
+    """Make UNSEEN, in place, what too few columns side by side saw, and floor lost that is not to count.
+
+    ranges: (columns,) [m]; width [rad] of a column; lost_counts: whether floor lost counts, and alone: whether it does
+    without a drop that is seen beside it.
+    """
+    first, columns = 0, len(end)
+    while first < columns:
+        stop, nearest, drop = first, np.inf, False
+        while stop < columns and (end[stop] == DROP or end[stop] == LOST):
+            nearest, drop = min(nearest, ranges[stop]), drop or end[stop] == DROP
+            stop += 1
+        within = first > 0 and stop < columns
+        narrow = within and (stop - first) * width * nearest < NARROWEST
+        ignored = not lost_counts or not (alone or drop)
+        for u in range(first, stop):
+            if narrow or (ignored and end[u] == LOST):
+                end[u] = UNSEEN
+        first = stop + 1

@@ -1,0 +1,195 @@
+"""near_edge's kernels, written down as slowly and plainly as they are described: one column, one row after another.
+
+Arithmetic is in single precision and in the kernels' order, so that both decide alike.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from common.geometry import Affine
+from services.negative import floor_trace as of_trace
+from services.negative import shadow as of_shadow
+from services.negative.floor_trace import End, Limits
+
+f32 = np.float32
+NEVER = -1
+
+
+def floor_trace(
+    heights: np.ndarray, order: np.ndarray, rates: Affine, camera_height: f32, limits: Limits, column: int
+) -> tuple[End, int, f32]:
+    """What became of the floor in one column: its End, the row where floor was last seen, and its height there."""
+    sensor = Sensor(rates, camera_height, limits, order[0])
+    trace = Trace(sensor, column)
+    with np.errstate(all="ignore"):
+        for row in order:
+            trace.look(int(row), filled(heights, int(row), column, sensor.limits.step))
+            if trace.end is not End.GOING:
+                break
+    return trace.result()
+
+
+def filled(heights: np.ndarray, row: int, column: int, step: f32) -> f32:
+    """A pixel's height; of a speckle the middle of its neighbours', or of theirs, if they agree."""
+    here = heights[row, column]
+    if not np.isnan(here) or not 2 <= column < heights.shape[1] - 2:
+        return here
+    for away in (1, 2):
+        left, right = heights[row, column - away], heights[row, column + away]
+        if abs(left - right) <= step:
+            return f32(0.5) * (left + right)
+    return f32(np.nan)
+
+
+class Sensor:
+    """What all columns have in common."""
+
+    def __init__(self, rates: Affine, camera_height: f32, limits: Limits, first_row: int) -> None:
+        self.rates, self.height, self.limits = rates, camera_height, Limits(*map(f32, limits))
+        self.downward = f32(1) if rates.rows[0] < rates.rows[1] else f32(-1)  # the way that rows go toward the robot
+        self.per_row = abs(rates.rows[1] - rates.rows[0]) / camera_height
+        self.middle = rates.columns[len(rates.columns) // 2]
+        lowest = max(self.middle + rates.rows[first_row], self.limits.grazing)
+        self.nearest = max(self.limits.near, camera_height / lowest) + f32(0.15)
+
+    def row(self, row: int) -> tuple[f32, f32, f32]:
+        """What a hole shows of its far side at least, and how far floor falls and rises per metre along this row."""
+        limits = self.limits
+        steep = max(self.middle + self.rates.rows[row], limits.grazing)
+        shortest = of_trace.SHORTEST
+        shown = min(of_trace.SHOWN * shortest * self.height / (self.height / steep + shortest), limits.step)
+        slope = min(limits.slope, steep - limits.grazing)
+        return shown, slope * steep / (steep - slope), limits.slope * steep / (steep + limits.slope)
+
+
+class Trace:
+    """The floor in one column, followed outward."""
+
+    def __init__(self, sensor: Sensor, column: int) -> None:
+        self.sensor, self.column = sensor, column
+        self.level = self.incline = f32(0)
+        self.rough = sensor.limits.noise
+        self.end, self.row = End.GOING, NEVER
+        self.last = self.first_below = NEVER  # rows
+        self.below = self.deep = self.above = 0  # rows since floor was seen
+        self.doubtful = False
+
+    @property
+    def started(self) -> bool:
+        return self.last != NEVER
+
+    def rows_since(self) -> f32:
+        return f32(self.last - self.row) * self.sensor.downward if self.started else f32(1)
+
+    def look(self, row: int, height: f32) -> None:
+        """The next row outward, and what it shows at this column."""
+        sensor, limits = self.sensor, self.sensor.limits
+        self.row, missing = row, np.isnan(height)
+        rate = sensor.rates.columns[self.column] + sensor.rates.rows[row]
+        depth = (sensor.height - self.level) / rate
+        since = self.rows_since() * depth * depth * sensor.per_row
+        lost_in_time = self.rows_since() > of_trace.SPECKLE
+        least_angle = rate + min(self.incline, f32(0)) if missing else rate
+        if not (rate > 0 and depth <= limits.far and rate >= limits.grazing and least_angle >= limits.grazing):
+            seen = self.started and not self.doubtful and not lost_in_time
+            self.end = End.SIGHT if seen else End.UNSEEN
+            return
+        if depth < limits.near:
+            return
+        gap = self.started and lost_in_time and since > limits.gap and self.rough < of_trace.SOME * limits.noise
+        if missing:
+            self.end = End.LOST if gap else End.GOING
+            return
+
+        shown, falls, rises = sensor.row(row)
+        may_fall, may_rise, deviation = falls * since, rises * since, depth * sensor.height
+        sigma = (self.rough if self.rough > of_trace.FEW * limits.noise else limits.noise) * deviation
+        slack = may_fall + (f32(0) if self.started else of_trace.UNSEEN_SLOPE * depth)
+        small = slack + max(of_trace.MANY * sigma, shown)
+        large = slack + limits.step + of_trace.SOME * sigma
+        high = may_rise + limits.step + of_trace.SOME * limits.noise * deviation
+        fall = self.level - height
+        if fall > small:
+            self._below(fall > large, fall, height, depth)
+        elif -fall > high:
+            self.above += 1
+            if self.above >= of_trace.SURE:
+                self.end = End.LOST if gap else End.HIDDEN
+        elif self.below and self.started:
+            self.end = End.DROP  # floor on the far side of something that lies below it
+        else:
+            self._floor(height, fall, rate, depth, since, may_fall, may_rise)
+
+    def _below(self, deep: bool, fall: f32, height: f32, depth: f32) -> None:
+        """Something lower than floor can be: a drop, or after some rows of it, none of them deep, a step down."""
+        if not self.started and not self.below:
+            self.first_below = self.row
+        self.below += 1
+        self.deep += deep
+        settled = self.below >= of_trace.SETTLED and not self.deep
+        if self.deep >= of_trace.SURE or (settled and fall > self.sensor.limits.step):
+            self.end = End.DROP
+        elif settled:
+            self._first(height, depth)
+            self.level = height
+            self._taken()
+
+    def _floor(self, height: f32, fall: f32, rate: f32, depth: f32, since: f32, may_fall: f32, may_rise: f32) -> None:
+        """Floor: its level follows slowly; what it deviates tells how rough it is, how it changes how it inclines."""
+        self._first(height, depth)
+        noise, per_deviation = self.sensor.limits.noise, f32(1) / (self.sensor.height * self.sensor.height)
+        change = min(max(-of_trace.GAIN * fall, -may_fall), may_rise) if self.started else -fall
+        if self.started:
+            self.incline = self.incline + (change - self.incline * since) / of_trace.MEMORY
+        seen_rough = of_trace.SPREAD * abs(fall) * rate * per_deviation
+        rough = self.rough + of_trace.QUICKLY * (seen_rough - self.rough)
+        self.rough = min(max(rough, noise), of_trace.MANY * noise)
+        self.level = self.level + change
+        self._taken()
+
+    def _first(self, height: f32, depth: f32) -> None:
+        """Floor that is first seen far off, or not at the plane's height, may be another floor."""
+        if not self.started and (depth > self.sensor.nearest or abs(height) > of_trace.DOUBT):
+            self.doubtful = True
+
+    def _taken(self) -> None:
+        self.last, self.below, self.deep, self.above = self.row, 0, 0, 0
+
+    def result(self) -> tuple[End, int, f32]:
+        if self.end is End.GOING:
+            seen = self.started and not self.doubtful and self.rows_since() <= of_trace.SPECKLE
+            self.end = End.SIGHT if seen else End.UNSEEN
+        if not self.started and self.end is End.DROP:
+            return self.end, self.first_below, self.level
+        return self.end, self.last, self.level
+
+
+def shadowed(
+    heights: np.ndarray, rates: Affine, camera_height: f32, column: int, last: int, outward: int, disparity: float
+) -> bool:
+    """Whether something to either side hides from one of the sensor's eyes what lies beyond row `last`."""
+    row = last + 2 * outward
+    if not 0 <= row < len(heights):
+        return False
+    return any(_hides(heights, rates, camera_height, column, last, row, side, disparity) for side in (-1, 1))
+
+
+def _hides(heights, rates, camera_height, column: int, last: int, row: int, side: int, disparity: float) -> bool:
+    """Whether the first thing that is seen on that side stands, near enough, with hardly anything in between."""
+    for away in range(1, of_shadow.REACH):
+        beside = column + side * away
+        if not 0 <= beside < heights.shape[1]:
+            return False
+        if np.isnan(heights[row, beside]):
+            continue
+        if float(heights[row, beside]) < of_shadow.STANDING:
+            return False
+        depth = float((camera_height - heights[row, beside]) / (rates.columns[beside] + rates.rows[row]))
+        floor = float((rates.columns[column] + rates.rows[row]) / camera_height)
+        if away > disparity * (np.divide(1.0, depth) - floor) + of_shadow.SLACK:
+            return False
+        between = [heights[last, column + side * k] for k in range(of_shadow.BESIDE + 1, away)]
+        returns = sum(not np.isnan(each) for each in between)
+        return returns <= of_shadow.SEEN * max(away - of_shadow.BESIDE, 0)
+    return False

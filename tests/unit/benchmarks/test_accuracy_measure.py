@@ -1,0 +1,90 @@
+"""The benchmark as a whole: the same figures however it is run, frames as they are said to be, and a report."""
+
+import numpy as np
+import pytest
+
+from benchmarks.accuracy.cases import BUILD, Case, camera_of, some_cases
+from benchmarks.accuracy.frames import KNOWN, PLANES, SETTLING, UNKNOWN, WOBBLE_FRAMES, WOBBLING, frames_of
+from benchmarks.accuracy.measure import EVERY, measure
+from benchmarks.accuracy.records import record, worst, write_csv
+from benchmarks.accuracy.report import report
+
+SCAN = "virtual_floor"
+CASES = some_cases(4, seed=3)
+
+
+def figures(table):
+    return [record(row) for row in table.rows]
+
+
+@pytest.fixture(scope="module")
+def table():
+    return measure(CASES, [SCAN, "paper"])
+
+
+def test_same_figures_again_and_in_several_processes(table):
+    again = measure(CASES, [SCAN, "paper"], jobs=2)
+    assert str(figures(again)) == str(figures(table))
+
+
+def test_order_of_the_cases_changes_nothing(table):
+    turned = measure(CASES[::-1], [SCAN, "paper"])
+    assert sorted(map(str, figures(turned))) == sorted(map(str, figures(table)))
+
+
+def test_report_and_records_name_every_case_and_scan(table, tmp_path):
+    text = report(table)
+    assert "## Camera level, plane known" in text
+    assert all(f"| {scan} |" in text for scan in (SCAN, "paper"))
+    write_csv(table.rows, tmp_path / "cases.csv")
+    lines = (tmp_path / "cases.csv").read_text().splitlines()
+    assert len(lines) == 1 + 2 * len(CASES)
+    assert all(row.plane == KNOWN for row in worst(table.rows, "paper", KNOWN, 3))
+
+
+def test_progress_reaches_its_end():
+    told = []
+    measure(CASES[:2], [SCAN], progress=lambda done, whole: told.append((done, whole)))
+    assert told == [(1, 2), (2, 2)]
+
+
+def test_all_kinds_are_among_the_cases():
+    assert {case.kind for case in some_cases(80, seed=1)} == set(BUILD)
+    assert len({case.kind for case in some_cases(400, seed=1)[::EVERY]}) > len(BUILD) // 2
+
+
+@pytest.mark.parametrize("case", [Case("hole", 12), Case("stairs", 7, "mounted")])
+def test_name_of_a_case_leads_back_to_it(case):
+    assert Case.parse(case.name) == case
+
+
+def test_unknown_case_is_refused():
+    with pytest.raises(ValueError, match="is no case"):
+        Case.parse("volcano:1")
+
+
+def test_known_plane_is_the_true_one():
+    (frame,) = frames_of(CASES[0], KNOWN)
+    assert frame.camera == frame.true == camera_of(CASES[0])
+
+
+def test_unknown_plane_is_a_little_off():
+    frame = next(frames_of(CASES[0], UNKNOWN))
+    tilt = np.degrees(np.arccos(np.dot(frame.camera.floor[:3], frame.true.floor[:3])))
+    assert 0.05 < tilt < 3.0
+    assert 0.0 < abs(frame.camera.floor.d - frame.true.floor.d) <= 0.01
+
+
+def test_wobbling_camera_nods_about_the_plane_that_is_said():
+    frames = [frame for frame in frames_of(CASES[0], WOBBLING) if frame.plane == WOBBLING]
+    nods = [np.degrees(np.arcsin(frame.camera.floor.nz - frame.true.floor.nz)) for frame in frames]
+    assert len(frames) == WOBBLE_FRAMES - SETTLING
+    assert 1.0 < max(nods) <= 2.0
+    assert -2.0 <= min(nods) < -1.0
+
+
+def test_frames_are_the_same_again():
+    for plane in PLANES[:2]:
+        one, other = next(frames_of(CASES[1], plane)), next(frames_of(CASES[1], plane))
+        assert np.array_equal(one.depth, other.depth)
+        assert one.camera == other.camera

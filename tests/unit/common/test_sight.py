@@ -1,0 +1,111 @@
+"""Which pixels each beam sees."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from common.grid import Grid
+from common.sight import LOOKED, NOTHING, least, sight_of
+from common.view import view_of
+from tests import naive
+from tests.build import camera
+
+GRID = Grid.between(33, -0.4, 0.4)
+
+
+def beams_of(sight, row, column):
+    """The beams that see a pixel: those that get what its column carries from its stretch on."""
+    stretch = np.searchsorted(sight.starts, row, side="right") - 1
+    for given_column, first, end in sight.given[sight.gives[stretch] :]:
+        if given_column == column:
+            return set(range(first, end))
+    raise AssertionError(f"no beam is ever given column {column}")
+
+
+def told_by(sight, columns, row, column, value=1.0):
+    """The ranges of a view in which one pixel alone says anything."""
+    values = np.full((len(sight.starts) - 1, columns), NOTHING)
+    values[np.searchsorted(sight.starts, row, side="right") - 1, column] = value
+    return least(values, sight)
+
+
+def assert_sees_what_naive_sees(lens, grid, lower_than=math.inf):
+    view = view_of(lens, lower_than)
+    sight = sight_of(view, grid)
+    expected = {}
+    for row, column, beam in naive.pixels_of_beams(lens, grid):
+        expected.setdefault((row, column), set()).add(beam)
+    rows, columns = view.shape
+    for row in range(rows):
+        for column in range(columns):
+            v, u = (column, row) if view.transposed else (row, column)
+            v += view.rows.start
+            if naive.axes(lens)[0].dot(naive.ray(lens, v, u)) <= 0:
+                continue  # what looks backward holds no point
+            found = beams_of(sight, row, column)
+            assert found == expected.get((v, u), set()), f"pixel {v}, {u}"
+            told = told_by(sight, columns, row, column)
+            assert set(np.flatnonzero(~np.isnan(told))) == found
+
+
+@pytest.mark.parametrize("pitch", [0.0, 0.3, 0.9, -0.3])
+@pytest.mark.parametrize("roll", [0.0, 0.2, -0.7, math.pi])
+def test_a_beam_sees_the_pixels_within_half_an_increment(pitch, roll):
+    assert_sees_what_naive_sees(camera(32, 24, 29.0, (0.5, pitch, roll), centre=(15.37, 11.61)), GRID)
+
+
+@settings(max_examples=20)
+@given(st.floats(-math.pi, math.pi), st.floats(-0.3, 0.3), st.floats(-0.5, 1.0))
+def test_a_wide_beam_sees_the_same_pixels_however_the_camera_is_rolled(roll, pitch, lower_than):
+    lens = camera(12, 10, 10.0, (0.5, pitch, roll), centre=(5.37, 4.61))
+    assert_sees_what_naive_sees(lens, Grid.between(4, -0.61, 0.6), lower_than)
+
+
+@pytest.mark.parametrize(("beams", "view"), [(2, 58), (3, 58), (9, 150), (400, 170)])
+def test_a_beam_may_be_wide_or_narrow(beams, view):
+    half = math.radians(view) / 2
+    assert_sees_what_naive_sees(camera(32, 24, 12.0, centre=(15.37, 11.61)), Grid.between(beams, -half, half))
+
+
+@pytest.mark.parametrize(("beams", "view"), [(2, 100), (3, 150), (9, 170)])
+def test_a_beam_that_reaches_behind_the_camera_sees_only_what_is_ahead(beams, view):
+    half = math.radians(view) / 2
+    assert_sees_what_naive_sees(camera(32, 24, 12.0, centre=(15.37, 11.61)), Grid.between(beams, -half, half))
+
+
+@settings(max_examples=10)
+@given(st.floats(-0.5, 0.9), st.floats(-1.0, 1.0), st.integers(5, 60), st.floats(0.2, 0.8))
+def test_any_camera_and_any_grid(pitch, roll, beams, half):
+    lens = camera(16, 12, 12.0, (0.5, pitch, roll * math.radians(40)), centre=(7.37, 5.61))
+    assert_sees_what_naive_sees(lens, Grid.between(beams, -half + 1e-4, half + 1e-4))
+
+
+@settings(max_examples=30)
+@given(st.integers(100, 1000), st.floats(-0.5, 0.5))
+def test_a_beam_narrower_than_a_column_takes_the_one_that_covers_it(beams, offset):
+    lens = camera(16, 4, 16.0, centre=(7.5 + offset, 1.5))
+    half = math.atan(6 / 16.0)  # all of it within the image
+    grid = Grid.between(beams, -half, half)
+    sight = sight_of(view_of(lens, math.inf), grid)
+    seen = np.array([[beam in beams_of(sight, 0, column) for column in range(16)] for beam in range(beams)])
+    assert (seen.sum(axis=1) == 1).all()
+    middle = 7.5 + offset - 16.0 * np.tan(grid.angles())
+    assert (np.abs(seen.argmax(axis=1) - middle) <= 1).all()
+
+
+def test_a_level_camera_has_one_stretch_and_a_rolled_one_many():
+    level, rolled = (sight_of(view_of(camera(mount=(0.3, 0.0, roll)), math.inf), GRID) for roll in (0.0, 0.1))
+    assert len(level.starts) == 2
+    assert len(rolled.starts) > 10
+
+
+def test_the_least_number_wins_over_having_looked_and_that_over_nothing():
+    sight = sight_of(view_of(camera(), math.inf), Grid.between(5, -0.4, 0.4))
+    for values, expected in (((2.0, 1.5), 1.5), ((LOOKED, 3.0), 3.0), ((NOTHING, LOOKED), math.inf)):
+        said = np.full((1, 64), NOTHING)
+        said[0, 31:33] = values  # both within the middle beam
+        assert least(said, sight)[2] == np.float32(expected)
+        assert np.isnan(least(said, sight)[[0, 4]]).all()
