@@ -4,19 +4,23 @@ from __future__ import annotations
 
 import argparse
 import logging
+import math
 import time
 from collections.abc import Callable
 from typing import get_args
 
+from cliffscan.calibrate import calibrate
 from cliffscan.drive import drive
 from cliffscan.echo import echo
 from cliffscan.status import status
 from cliffscan.supervisor import ConfigRefused
 from cliffscan.system import TURN, Base, Plan, System
+from common import config as configuration
 from common import options
 from common.bus import Bus, BusError, Network
 from common.config import ConfigError
 from common.service import USAGE_ERROR, StopSignal, connect, package_version
+from services.capture.config import CaptureConfig
 
 PATIENCE = 1.0  # [s] in which a new session has heard of every service that works
 
@@ -26,7 +30,9 @@ log = logging.getLogger("cliffscan")
 def up(arguments: argparse.Namespace, stop: StopSignal) -> int:
     """Run everything until Ctrl-C."""
     listen = arguments.listen or list(Plan.listen)
-    plan = Plan(arguments.robot, listen, arguments.connect, arguments.config, arguments.set, arguments.base)
+    plan = Plan(
+        arguments.robot, listen, arguments.connect, arguments.config, arguments.set, arguments.base, arguments.world
+    )
     with System(plan, stop) as system:
         while not stop.wait(TURN):
             system.poll()
@@ -51,6 +57,22 @@ def alive(service: str, bus: Bus, stop: StopSignal) -> int:
         if time.monotonic() > deadline or stop.wait(TURN):
             return 1
     return 0
+
+
+def mount(arguments: argparse.Namespace, bus: Bus, stop: StopSignal) -> int:
+    """Measure the mount, around the configured one where --config or --set tell it."""
+    nominal = None
+    if arguments.config or arguments.set:
+        nominal = configuration.load("capture", CaptureConfig, arguments.config, arguments.set).mounted_floor()
+    return calibrate(bus, arguments.seconds, nominal, stop)
+
+
+def seconds(text: str) -> float:
+    """A time span [s] that ends."""
+    value = float(text)
+    if not 0.0 < value < math.inf:
+        raise argparse.ArgumentTypeError(f"{text} s, expected a time span")
+    return value
 
 
 def on_bus(
@@ -90,6 +112,9 @@ def build_parser() -> argparse.ArgumentParser:
     started.add_argument(
         "--base", choices=get_args(Base), default="emulated", help="the robot's base: emulated, on kobuki.port, or none"
     )
+    started.add_argument(
+        "--world", default="", metavar="NAME", help="simulate the robot, base and camera, in a world; or random:SEED"
+    )
     add("router", router, "Route between the processes of this machine, and to the routers that --connect names.")
     shown = add(
         "status",
@@ -99,6 +124,9 @@ def build_parser() -> argparse.ArgumentParser:
     shown.add_argument("--watch", action="store_true", help="keep the table up to date")
     told = add("alive", on_bus(lambda a, bus, stop: alive(a.service, bus, stop)), "Exit 0 if a service works.")
     told.add_argument("service")
+    measured = add("calibrate", on_bus(mount), "Measure the camera's mount from the floor; print its configuration.")
+    options.add_config(measured)
+    measured.add_argument("--seconds", type=seconds, default=5.0, metavar="S", help="how long to look at the floor")
     driven = add(
         "drive", on_bus(lambda a, bus, stop: drive(bus, stop, a.linear, a.angular)), "Drive with the keyboard."
     )

@@ -7,16 +7,18 @@ import re
 import sys
 from collections.abc import Sequence
 from contextlib import ExitStack
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from types import TracebackType
 from typing import Literal, Self
 
 from cliffscan.supervisor import Supervisor
+from common import config as configuration
 from common.bus import Bus, Network, NotConnected
-from common.config import SENSING, SERVICES, ConfigError
+from common.config import SENSING, SERVICES, ConfigError, meant_for
 from common.service import StopSignal
+from services.capture.config import CaptureConfig
 
 ANYWHERE = re.compile(r"/(0\.0\.0\.0|\[::\]):")
 LAST = "capture"  # started when all others are ready, so that its first frame is not lost
@@ -31,7 +33,8 @@ log = logging.getLogger("cliffscan")
 class Plan:
     """What to start: the robot's name, its router's endpoints and the routers it joins, the configuration, the base.
 
-    An emulated base is started too, and takes the place of the configured port.
+    An emulated base is started too, and takes the place of the configured port. With a world, a simulation of the robot
+    in it takes the place of both base and camera; what goes between processes without the network is in `folder`.
     """
 
     robot: str = "turtlebot"
@@ -40,6 +43,9 @@ class Plan:
     config: Path | None = None
     overrides: Sequence[str] = field(default_factory=list)  # SERVICE.KEY=VALUE
     base: Base = "none"
+    world: str = ""
+    simulation: Sequence[str] = ()  # further options of the simulation
+    folder: str = ""
 
     @property
     def endpoint(self) -> str:
@@ -57,26 +63,40 @@ class Plan:
         words = ["--robot", self.robot, "--mode", "client", "--connect", self.endpoint]
         words += ["--config", str(self.config)] if self.config else []
         for override in self.overrides:
-            words += ["--set", override] if override.startswith(f"{name}.") else []
+            words += ["--set", override] if meant_for(name, override) else []
         return [sys.executable, "-m", f"services.{name}", *words]
 
-    def base_processes(self, folder: str) -> dict[str, list[str]]:
-        """The command lines of the base's processes by name; an emulated base has its port in `folder`."""
-        if self.base == "none":
+    def capture(self) -> list[str]:
+        """Capture's command line."""
+        simulated = ["capture.source=simulator", f"capture.simulation={self.folder}/frames"] if self.world else []
+        return [*self.service("capture"), *(word for each in simulated for word in ("--set", each))]
+
+    def base_processes(self) -> dict[str, list[str]]:
+        """The command lines of the base's processes by name."""
+        if self.base == "none" and not self.world:
             return {}
         if self.base == "real":
             return {"kobuki": self.service("kobuki")}
-        link = f"{folder}/kobuki"
-        return {
-            "base": [sys.executable, "-m", "simulator.kobuki", "--link", link, "--control", f"{folder}/control"],
-            "kobuki": [*self.service("kobuki"), "--set", f"kobuki.port={link}"],
-        }
+        kobuki = {"kobuki": [*self.service("kobuki"), "--set", f"kobuki.port={self.folder}/kobuki"]}
+        ends = ["--link", f"{self.folder}/kobuki", "--control", f"{self.folder}/control"]
+        if self.world:
+            return {"simulation": [sys.executable, "-m", "simulator", *self._simulation(), *ends], **kobuki}
+        return {"base": [sys.executable, "-m", "simulator.kobuki", *ends], **kobuki}
+
+    def _simulation(self) -> list[str]:
+        """The simulation's options: its camera is capture's. Raises ConfigError."""
+        own = [override for override in self.overrides if meant_for("capture", override)]
+        camera = configuration.load("capture", CaptureConfig, self.config, own)
+        mount = ["--height", camera.height, "--pitch", camera.pitch, "--roll", camera.roll]
+        ends = ["--world", self.world, "--frames", f"{self.folder}/frames"]
+        return [*ends, *map(str, mount), "--rate", str(camera.rate), "--seed", str(camera.seed), *self.simulation]
 
     def check(self) -> None:
-        """Raise ConfigError for an override that is no service's."""
+        """Raise ConfigError for an override that is no service's, or a world beside a real base."""
+        if self.world and self.base == "real":
+            raise ConfigError("a simulated world has no place for a real base")
         for override in self.overrides:
-            service, dot, _ = override.partition(".")
-            if not dot or service not in SERVICES:
+            if not any(meant_for(service, override) for service in SERVICES):
                 raise ConfigError(f"--set {override}: expected SERVICE.KEY=VALUE, SERVICE one of {', '.join(SERVICES)}")
 
 
@@ -92,20 +112,21 @@ class System:
         plan.check()
         self.alive: set[str] = set()
         self.supervisor = Supervisor()
-        self._plan = plan
+        self.plan = plan
         self._stop = stop
         self._exit = ExitStack()
 
     def __enter__(self) -> Self:
         with ExitStack() as entered:
+            folder = entered.enter_context(TemporaryDirectory(prefix="cliffscan-", ignore_cleanup_errors=True))
+            self.plan = replace(self.plan, folder=folder)
             entered.enter_context(self.supervisor)
-            self.supervisor.start("router", self._plan.router())
+            self.supervisor.start("router", self.plan.router())
             self.bus = entered.enter_context(self._connect())
             self.bus.watch_alive(self._changed)
             for name in FIRST:
-                self.supervisor.start(name, self._plan.service(name))
-            folder = entered.enter_context(TemporaryDirectory(prefix="cliffscan-", ignore_cleanup_errors=True))
-            for name, command in self._plan.base_processes(folder).items():
+                self.supervisor.start(name, self.plan.service(name))
+            for name, command in self.plan.base_processes().items():
                 self.supervisor.start(name, command)
             self._exit = entered.pop_all()
         return self
@@ -118,14 +139,14 @@ class System:
     def poll(self) -> None:
         """Look after the processes. Raises ConfigRefused."""
         if LAST not in self.supervisor.children and self.alive.issuperset(FIRST):
-            self.supervisor.start(LAST, self._plan.service(LAST))
+            self.supervisor.start(LAST, self.plan.capture())
         self.supervisor.poll()
 
     def _connect(self) -> Bus:
         """The bus, when the router answers. Raises ConfigRefused where the router cannot listen."""
         while not self._stop.is_set():
             try:
-                return Bus(Network("client", [self._plan.endpoint]), self._plan.robot)
+                return Bus(Network("client", [self.plan.endpoint]), self.plan.robot)
             except NotConnected:
                 self.supervisor.poll()
                 self._stop.wait(TURN)

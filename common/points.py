@@ -15,6 +15,7 @@ from common.view import Millimetres, View, view_of
 Metres = NDArray[np.float32]
 
 MILLIMETRE = 0.001
+METRES = np.float32(MILLIMETRE)  # in one
 
 
 class Points(NamedTuple):
@@ -34,10 +35,10 @@ def points_of(depth: Millimetres, camera: Camera, range_min: float = 0.0, lower_
     near, far = (np.uint16(round(limit / MILLIMETRE)) for limit in camera.range)
     heights, distances = _measure(
         view.of(depth),
-        view.up,
+        view.up.single(),
         view.forward.single(),
         view.left.single(),
-        camera.floor.d,
+        np.float32(camera.floor.d),
         max(near, np.uint16(1)),
         far,
         np.float32(range_min),
@@ -51,7 +52,7 @@ def _measure(
     up: Affine,
     forward: Affine,
     left: Affine,
-    camera_height: float,
+    camera_height: np.float32,
     near: np.uint16,
     far: np.uint16,
     range_min: np.float32,
@@ -60,11 +61,11 @@ def _measure(
     heights, distances = np.empty(millimetres.shape, np.float32), np.empty(millimetres.shape, np.float32)
     for row in range(millimetres.shape[0]):
         for column in range(millimetres.shape[1]):
-            depth = millimetres[row, column] * MILLIMETRE
+            depth = np.float32(millimetres[row, column]) * METRES
             ahead = forward.columns[column] + forward.rows[row]
             aside = left.columns[column] + left.rows[row]
-            distance = np.float32(depth) * np.sqrt(ahead * ahead + aside * aside)
-            height = np.float32(depth * (up.columns[column] + up.rows[row]) + camera_height)
+            distance = depth * np.sqrt(ahead * ahead + aside * aside)
+            height = depth * (up.columns[column] + up.rows[row]) + camera_height
             usable = (near <= millimetres[row, column]) & (millimetres[row, column] <= far)
             usable = usable & (ahead > 0) & (distance >= range_min)
             heights[row, column] = height if usable else np.nan

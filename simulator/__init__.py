@@ -1,1 +1,1 @@
-"""A MuJoCo world seen by a simulated Kinect, and the exact truth about where its floor ends."""
+"""A robot in a MuJoCo world: its body, its Kobuki and its Kinect, and the exact truth about where the floor ends."""

@@ -1,4 +1,4 @@
-"""The scene seen from above: where upright boxes and cylinders stand, and where a line crosses them."""
+"""The scene seen from above: where boxes and cylinders stand, how high they are, and where a line crosses them."""
 
 from __future__ import annotations
 
@@ -14,14 +14,19 @@ from simulator.world import World
 
 Floats = NDArray[np.float64]
 
-UPRIGHT = math.cos(math.radians(0.1))  # a geom tilted more has no footprint
+UPRIGHT = math.cos(math.radians(0.1))  # a geom tilted more is a ramp
+STEEPEST = math.cos(math.radians(6.0))  # of a ramp; a geom tilted more has no footprint
+LEVEL = 1e-6  # how far a ramp's own y may climb, for each metre
+PLATFORM = "platform"  # how the names of raised floors begin
 
 
 @dataclass(frozen=True, eq=False)
 class Footprint:
-    """An upright box or cylinder: the area it covers on the floor plan, and the heights between which it does so [m].
+    """A box or cylinder: the area it covers on the floor plan, and the heights between which it does so [m].
 
     centre: (2,); size: (2,) half-sizes of a box before it is turned by yaw [rad], or (1,) radius of a cylinder.
+    A ramp's area is that of its upper side, which has the height `top` at the centre and climbs by `slope` for each
+    metre along its own x; its upper end must stand against something. walkable: a ramp, or a floor raised over others.
     """
 
     centre: Floats
@@ -29,6 +34,23 @@ class Footprint:
     yaw: float
     bottom: float
     top: float
+    slope: float = 0.0
+    walkable: bool = False
+
+    def top_along(self, origin: Floats, angles: Floats) -> tuple[Floats, Floats]:
+        """Height [m] of the upper side above a line's origin (2,) [m], were it as wide, and its climb for each metre.
+
+        angles: (n,) [rad] in the world. Returns two of (n,).
+        """
+        x, _ = self._turned(origin - self.centre)
+        return np.full(len(angles), self.top + self.slope * x), self.slope * np.cos(angles - self.yaw)
+
+    def covers(self, point: Floats) -> bool:
+        """Whether a point (2,) [m] of the floor plan is within the area."""
+        x, y = self._turned(point - self.centre)
+        if len(self.size) == 1:
+            return math.hypot(x, y) <= float(self.size[0])
+        return abs(x) <= float(self.size[0]) and abs(y) <= float(self.size[1])
 
     def crossing(self, origin: Floats, angles: Floats) -> tuple[Floats, Floats]:
         """Distances [m] at which lines from the origin (2,) [m] enter and leave the area; (inf, -inf) = they miss it.
@@ -59,21 +81,36 @@ class Footprint:
 
 
 def footprints(world: World) -> list[Footprint]:
-    """Of all the scene's geoms. Raises ValueError for one that is not an upright box or cylinder."""
+    """Of all the scene's geoms. Raises ValueError for one that is neither an upright box or cylinder, nor a ramp."""
     return [footprint(world, geom) for geom in world.scene_geoms()]
 
 
 def footprint(world: World, geom: int) -> Footprint:
-    """Of the geom of that index. Raises ValueError where it is not an upright box or cylinder."""
+    """Of the geom of that index. Raises ValueError where it has none."""
     kind = mujoco.mjtGeom(world.model.geom_type[geom])
     rotation = world.data.geom_xmat[geom].reshape(3, 3)
-    if kind not in (mujoco.mjtGeom.mjGEOM_BOX, mujoco.mjtGeom.mjGEOM_CYLINDER) or rotation[2, 2] < UPRIGHT:
-        raise ValueError(f"geom {geom} of world {world.name!r} has no footprint; only upright boxes and cylinders have")
-    size = world.model.geom_size[geom]
-    sides, half = (1, size[1]) if kind == mujoco.mjtGeom.mjGEOM_CYLINDER else (2, size[2])
-    centre = world.data.geom_xpos[geom]
+    size, centre = world.model.geom_size[geom], world.data.geom_xpos[geom]
     yaw = math.atan2(rotation[1, 0], rotation[0, 0])
-    return Footprint(centre[:2].copy(), size[:sides].copy(), yaw, float(centre[2] - half), float(centre[2] + half))
+    if rotation[2, 2] >= UPRIGHT and kind in (mujoco.mjtGeom.mjGEOM_BOX, mujoco.mjtGeom.mjGEOM_CYLINDER):
+        sides, half = (1, size[1]) if kind == mujoco.mjtGeom.mjGEOM_CYLINDER else (2, size[2])
+        raised = world.model.geom(geom).name.startswith(PLATFORM)
+        heights = float(centre[2] - half), float(centre[2] + half)
+        return Footprint(centre[:2].copy(), size[:sides].copy(), yaw, *heights, walkable=raised)
+    if kind == mujoco.mjtGeom.mjGEOM_BOX and rotation[2, 2] >= STEEPEST and abs(rotation[2, 1]) < LEVEL:
+        return ramp(centre, rotation, size, yaw)
+    raise ValueError(
+        f"geom {geom} of world {world.name!r} has no footprint; only upright boxes and cylinders and boxes that climb "
+        "gently along their own x have"
+    )
+
+
+def ramp(centre: Floats, rotation: Floats, size: Floats, yaw: float) -> Footprint:
+    """Of a box that climbs along its own x."""
+    upper = centre + rotation[:, 2] * size[2]  # the middle of its upper side
+    run = math.hypot(rotation[0, 0], rotation[1, 0])
+    slope = float(rotation[2, 0]) / run
+    bottom = float(centre[2] - abs(rotation[2]) @ size)
+    return Footprint(upper[:2], np.array([run * size[0], size[1]]), yaw, bottom, float(upper[2]), slope, walkable=True)
 
 
 def slab_crossing(start: float, step: Floats, half: float) -> tuple[Floats, Floats]:

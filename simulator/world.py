@@ -11,9 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from common.geometry import Camera, axes
+from simulator.random_floor import random_floor
 
 Floats = NDArray[np.float64]
 
+RANDOM = "random:"  # with a seed, the name of a random floor
 SCENE = 0  # the geom group of what stands in the room; a robot's geoms belong to another, unseen by its own camera
 
 
@@ -34,20 +36,23 @@ def world_names() -> list[str]:
     return sorted(entry.name.removesuffix(".xml") for entry in folder.iterdir() if entry.name.endswith(".xml"))
 
 
-class World:
-    """A world by name, with its geoms in place and a robot standing in it.
+def world_source(name: str) -> str:
+    """A world's MuJoCo XML. Raises ValueError for an unknown name; the message lists the known ones."""
+    if name.startswith(RANDOM) and name.removeprefix(RANDOM).isdecimal():
+        return random_floor(int(name.removeprefix(RANDOM)))
+    known = world_names()
+    if name not in known:
+        raise ValueError(f"no world is named {name!r}; there are {', '.join(known)} and {RANDOM}SEED")
+    return (files("simulator") / "worlds" / f"{name}.xml").read_text(encoding="utf-8")
 
-    Raises ValueError for an unknown name; the message lists the known ones.
-    """
+
+class World:
+    """A world by name, with its geoms in place and a robot standing in it. Raises ValueError for an unknown name."""
 
     def __init__(self, name: str, pose: Pose = START) -> None:
-        known = world_names()
-        if name not in known:
-            raise ValueError(f"no world is named {name!r}; there are {', '.join(known)}")
-        source = files("simulator") / "worlds" / f"{name}.xml"
         self.name = name
         self.pose = pose
-        self.model = mujoco.MjModel.from_xml_string(source.read_text(encoding="utf-8"))
+        self.model = mujoco.MjModel.from_xml_string(world_source(name))
         self.data = mujoco.MjData(self.model)
         mujoco.mj_forward(self.model, self.data)
 

@@ -182,24 +182,25 @@ def averaged(ends: list[End], rows: list[int], levels: list[np.float32], u: int)
     return sum(alike) / len(alike)
 
 
-def place(view: View, u: int, row: int, level: float) -> tuple[float, float]:
-    """Azimuth and range at which a pixel's ray meets floor at that level."""
+def place(view: View, u: int, row: int, level: float) -> tuple[float, float, float]:
+    """Azimuth and range at which a pixel's ray meets floor at that level, and how much of azimuth the pixel covers."""
     forward, left, up = (axis.columns[u] + axis.rows[row] for axis in (view.forward, view.left, view.up))
     depth = np.divide(level - view.camera.floor.d, up)
-    return math.atan2(left, forward), math.hypot(forward, left) * depth
+    across = [axis.columns[1] - axis.columns[0] for axis in (view.forward, view.left)]
+    width = abs(across[1] * forward - across[0] * left) / (forward**2 + left**2)
+    return math.atan2(left, forward), math.hypot(forward, left) * depth, width
 
 
-def doubt(ends: list[End], places: list[tuple[float, float]], floor_lost: str) -> None:
+def doubt(ends: list[End], places: list[tuple[float, float, float]], floor_lost: str) -> None:
     """Take back what too few columns side by side saw, unless at the border, and lost floor that is not to count."""
     first, count = 0, len(ends)
-    column = abs(places[-1][0] - places[0][0]) / count  # width [rad]
     while first < count:
         stop = first
         while stop < count and numbered(ends[stop]):
             stop += 1
         group = range(first, stop)
-        nearest = min((places[u][1] for u in group), default=math.inf)
-        narrow = first > 0 and stop < count and len(group) * column * nearest < NARROWEST
+        across = sum(places[u][1] * places[u][2] for u in group)
+        narrow = first > 0 and stop < count and across < NARROWEST
         beside_drop = any(ends[u] == End.DROP for u in group)
         counts = floor_lost == "counts" or (floor_lost == "beside_drop" and beside_drop)
         for u in group:
@@ -208,16 +209,22 @@ def doubt(ends: list[End], places: list[tuple[float, float]], floor_lost: str) -
         first = stop + 1
 
 
-def of_beams(ends: list[End], places: list[tuple[float, float]], grid: Grid) -> tuple[np.ndarray, np.ndarray]:
-    """Each beam tells the worst of the columns within a column's width: the nearest number, or not seen, or free."""
+def of_beams(ends: list[End], places: list[tuple[float, float, float]], grid: Grid) -> tuple[np.ndarray, np.ndarray]:
+    """Each beam tells the worst of the columns it listens to: the nearest number, or not seen, or free."""
+    half = grid.increment / 2
     told = []
-    column = abs(places[-1][0] - places[0][0]) / (len(places) - 1)  # width [rad]
     for angle in grid.angles():
-        heard = [
-            (end, reach) for end, (azimuth, reach) in zip(ends, places, strict=True) if abs(azimuth - angle) <= column
-        ]
-        numbers = [(r, 2.0 if end == End.DROP else 3.0) for end, r in heard if numbered(end)]
-        free = heard and all(end == End.SIGHT for end, _ in heard)
+        heard = [u for u, (azimuth, _, width) in enumerate(places) if abs(azimuth - angle) <= max(width, half)]
+        heard = heard or [u for u in range(len(places)) if is_nearest(places, u, angle)]
+        numbers = [(places[u][1], 2.0 if ends[u] == End.DROP else 3.0) for u in heard if numbered(ends[u])]
+        free = heard and all(ends[u] == End.SIGHT for u in heard)
         told.append(min(numbers, key=lambda number: number[0]) if numbers else (math.inf if free else math.nan, 0.0))
     ranges, evidence = zip(*told, strict=True)
     return np.array(ranges), np.array(evidence)
+
+
+def is_nearest(places: list[tuple[float, float, float]], u: int, angle: float) -> bool:
+    """Whether an angle lies between a column and the middle between it and a neighbour."""
+    beside = [places[k][0] for k in (u - 1, u + 1) if 0 <= k < len(places)]
+    middles = [places[u][0], *((places[u][0] + each) / 2 for each in beside)]
+    return min(middles) <= angle <= max(middles)

@@ -51,7 +51,7 @@ class Sensor:
         self.per_row = abs(rates.rows[1] - rates.rows[0]) / camera_height
         self.middle = rates.columns[len(rates.columns) // 2]
         lowest = max(self.middle + rates.rows[first_row], self.limits.grazing)
-        self.nearest = max(self.limits.near, camera_height / lowest) + f32(0.15)
+        self.nearest = max(self.limits.near, camera_height / lowest) + of_trace.LATE
 
     def row(self, row: int) -> tuple[f32, f32, f32]:
         """What a hole shows of its far side at least, and how far floor falls and rises per metre along this row."""
@@ -59,6 +59,7 @@ class Sensor:
         steep = max(self.middle + self.rates.rows[row], limits.grazing)
         shortest = of_trace.SHORTEST
         shown = min(of_trace.SHOWN * shortest * self.height / (self.height / steep + shortest), limits.step)
+        shown = max(shown, of_trace.UNEVEN)
         slope = min(limits.slope, steep - limits.grazing)
         return shown, slope * steep / (steep - slope), limits.slope * steep / (steep + limits.slope)
 
@@ -72,7 +73,8 @@ class Trace:
         self.rough = sensor.limits.noise
         self.end, self.row = End.GOING, NEVER
         self.last = self.first_below = NEVER  # rows
-        self.below = self.deep = self.above = 0  # rows since floor was seen
+        self.below = f32(0)  # rows since floor was seen, those far below counted more
+        self.deep = self.above = 0  # rows since floor was seen
         self.doubtful = False
 
     @property
@@ -111,33 +113,33 @@ class Trace:
         high = may_rise + limits.step + of_trace.SOME * limits.noise * deviation
         fall = self.level - height
         if fall > small:
-            self._below(fall > large, fall, height, depth)
+            self._below(fall > large, fall > of_trace.STRONG * small, fall, height, depth, since)
         elif -fall > high:
             self.above += 1
             if self.above >= of_trace.SURE:
                 self.end = End.LOST if gap else End.HIDDEN
-        elif self.below and self.started:
+        elif self.below > 1 and self.started:
             self.end = End.DROP  # floor on the far side of something that lies below it
         else:
             self._floor(height, fall, rate, depth, since, may_fall, may_rise)
 
-    def _below(self, deep: bool, fall: f32, height: f32, depth: f32) -> None:
+    def _below(self, deep: bool, strong: bool, fall: f32, height: f32, depth: f32, since: f32) -> None:
         """Something lower than floor can be: a drop, or after some rows of it, none of them deep, a step down."""
         if not self.started and not self.below:
             self.first_below = self.row
-        self.below += 1
+        self.below += of_trace.MORE if strong else f32(1)
         self.deep += deep
         settled = self.below >= of_trace.SETTLED and not self.deep
         if self.deep >= of_trace.SURE or (settled and fall > self.sensor.limits.step):
             self.end = End.DROP
         elif settled:
-            self._first(height, depth)
+            self._doubt(height, depth, since)
             self.level = height
             self._taken()
 
     def _floor(self, height: f32, fall: f32, rate: f32, depth: f32, since: f32, may_fall: f32, may_rise: f32) -> None:
         """Floor: its level follows slowly; what it deviates tells how rough it is, how it changes how it inclines."""
-        self._first(height, depth)
+        self._doubt(height, depth, since)
         noise, per_deviation = self.sensor.limits.noise, f32(1) / (self.sensor.height * self.sensor.height)
         change = min(max(-of_trace.GAIN * fall, -may_fall), may_rise) if self.started else -fall
         if self.started:
@@ -148,13 +150,16 @@ class Trace:
         self.level = self.level + change
         self._taken()
 
-    def _first(self, height: f32, depth: f32) -> None:
-        """Floor that is first seen far off, or not at the plane's height, may be another floor."""
-        if not self.started and (depth > self.sensor.nearest or abs(height) > of_trace.DOUBT):
-            self.doubtful = True
+    def _doubt(self, height: f32, depth: f32, since: f32) -> None:
+        """Floor first seen far off, or not at the plane's height, may be another floor; that beyond a gap as well."""
+        if self.started:
+            doubt = self.rows_since() > of_trace.SPECKLE and since > of_trace.UNVERIFIED
+        else:
+            doubt = depth > self.sensor.nearest or abs(height) > of_trace.DOUBT
+        self.doubtful = self.doubtful or doubt
 
     def _taken(self) -> None:
-        self.last, self.below, self.deep, self.above = self.row, 0, 0, 0
+        self.last, self.below, self.deep, self.above = self.row, f32(0), 0, 0
 
     def result(self) -> tuple[End, int, f32]:
         if self.end is End.GOING:
@@ -177,7 +182,7 @@ def shadowed(
 
 def _hides(heights, rates, camera_height, column: int, last: int, row: int, side: int, disparity: float) -> bool:
     """Whether the first thing that is seen on that side stands, near enough, with hardly anything in between."""
-    for away in range(1, of_shadow.REACH):
+    for away in range(1, heights.shape[1]):
         beside = column + side * away
         if not 0 <= beside < heights.shape[1]:
             return False

@@ -30,6 +30,10 @@ def _replay(config: CaptureConfig) -> Source:
 
 
 def _simulator(config: CaptureConfig) -> Source:
+    if config.simulation:
+        from services.capture.simulation import Simulation
+
+        return Simulation(config.simulation, config.mounted_floor())
     from services.capture.simulated import Simulated
 
     return Simulated(config.world, config.mounted_floor(), config.rate, config.seed)

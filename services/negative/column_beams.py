@@ -11,35 +11,48 @@ from common.geometry import Floats
 from common.grid import Grid
 
 
-def beams_of_columns(azimuths: Floats, ranges: Floats, evidence: Floats, grid: Grid) -> Beams:
+def beams_of_columns(azimuths: Floats, widths: Floats, ranges: Floats, evidence: Floats, grid: Grid) -> Beams:
     """What the beams tell, of columns (columns,) that found ranges [m] at azimuths [rad], each on some evidence.
 
-    A beam listens to the columns less than a column's width away, and tells what is worst: the nearest number, or NaN,
-    or +inf; for what one of them does not know the other does not make free.
+    A beam listens to the columns whose middle it covers or that are less than their own width [rad] away; where there
+    are none, to the nearest of the two that it lies between. It tells what is worst: the nearest number, or NaN, or
+    +inf; what one of them does not know the other does not make free.
     """
-    width = abs(azimuths[-1] - azimuths[0]) / (len(azimuths) - 1)
-    told, why = _tell(azimuths, ranges, evidence, grid.beams, grid.angle_min, grid.increment, width)
-    return Beams(told, why)
+    return Beams(*_tell(azimuths, widths, ranges, evidence, grid.beams, grid.angle_min, grid.increment))
 
 
 @njit(cache=True)
 def _tell(
-    azimuths: Floats, ranges: Floats, evidence: Floats, beams: int, angle_min: float, increment: float, width: float
+    azimuths: Floats,
+    widths: Floats,
+    ranges: Floats,
+    evidence: Floats,
+    beams: int,
+    angle_min: float,
+    increment: float,
 ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
     told, why = np.full(beams, np.float32(np.nan)), np.zeros(beams, np.float32)
-    heard = np.zeros(beams, np.bool_)
-    for column in range(len(azimuths)):
-        at, value = (azimuths[column] - angle_min) / increment, ranges[column]
-        first, last = np.ceil(at - width / increment), np.floor(at + width / increment)
-        for beam in range(max(int(first), 0), min(int(last), beams - 1) + 1):
-            before = told[beam]
-            if not heard[beam]:
-                worse = True
-            elif np.isfinite(value):
-                worse = not value >= before
+    heard = np.zeros(beams, np.int64)  # in which round
+    for turn in (1, 2):
+        for column in range(len(azimuths)):
+            at, value = azimuths[column], ranges[column]
+            if turn == 1:
+                reach = max(widths[column], 0.5 * increment)
+                low, high = at - reach, at + reach
             else:
-                worse = np.isnan(value) and np.isinf(before)
-            if worse:
-                told[beam], why[beam] = value, evidence[column]
-            heard[beam] = True
+                before, after = azimuths[max(column - 1, 0)], azimuths[min(column + 1, len(azimuths) - 1)]
+                low, high = at + 0.5 * min(before - at, after - at, 0.0), at + 0.5 * max(before - at, after - at, 0.0)
+            first, last = np.ceil((low - angle_min) / increment), np.floor((high - angle_min) / increment)
+            for beam in range(max(int(first), 0), min(int(last), beams - 1) + 1):
+                if heard[beam] and heard[beam] < turn:
+                    continue
+                if not heard[beam]:
+                    worse = True
+                elif np.isfinite(value):
+                    worse = not value >= told[beam]
+                else:
+                    worse = np.isnan(value) and np.isinf(told[beam])
+                if worse:
+                    told[beam], why[beam] = value, evidence[column]
+                heard[beam] = turn
     return told, why

@@ -20,13 +20,15 @@ NARROWEST = 0.03  # [m] what fewer columns side by side saw is noise
 @njit(cache=True, error_model="numpy")
 def places(
     end: Metres, row: Metres, level: Metres, forward: Affine, left: Affine, up: Affine, camera_height: float
-) -> tuple[Floats, Floats]:
-    """Azimuth [rad] and range [m] at which each column's ray of its row meets the floor at its level: (columns,) each.
+) -> tuple[Floats, Floats, Floats]:
+    """Azimuth and width [rad] of each column at its row, and range [m] where that ray meets the floor: (columns,) each.
 
     end, row, level: as floor_trace has them; forward, left, up: of the view.
     """
     columns = len(end)
-    azimuths, ranges = np.empty(columns), np.empty(columns)
+    azimuths, widths, ranges = np.empty(columns), np.empty(columns), np.empty(columns)
+    more_ahead = forward.columns[1] - forward.columns[0]
+    more_aside = left.columns[1] - left.columns[0]
     for u in range(columns):
         total, many = 0.0, 0
         for other in range(max(u - SIDE, 0), min(u + SIDE + 1, columns)):
@@ -38,25 +40,26 @@ def places(
         v = max(int(row[u]), 0)
         ahead, aside = forward.columns[u] + forward.rows[v], left.columns[u] + left.rows[v]
         azimuths[u] = math.atan2(aside, ahead)
+        widths[u] = abs(more_aside * ahead - more_ahead * aside) / (ahead * ahead + aside * aside)
         ranges[u] = math.hypot(ahead, aside) * (height - camera_height) / (up.columns[u] + up.rows[v])
-    return azimuths, ranges
+    return azimuths, widths, ranges
 
 
 @njit(cache=True)
-def take_back(end: Metres, ranges: Floats, width: float, alone: bool, lost_counts: bool) -> None:
+def take_back(end: Metres, ranges: Floats, widths: Floats, alone: bool, lost_counts: bool) -> None:
     """Make UNSEEN, in place, what too few columns side by side saw, and floor lost that is not to count.
 
-    ranges: (columns,) [m]; width [rad] of a column; lost_counts: whether floor lost counts, and alone: whether it does
-    without a drop that is seen beside it.
+    ranges [m] and widths [rad] of the columns: (columns,) each; lost_counts: whether floor lost counts, and alone:
+    whether it does without a drop that is seen beside it.
     """
     first, columns = 0, len(end)
     while first < columns:
-        stop, nearest, drop = first, np.inf, False
+        stop, across, drop = first, 0.0, False
         while stop < columns and (end[stop] == DROP or end[stop] == LOST):
-            nearest, drop = min(nearest, ranges[stop]), drop or end[stop] == DROP
+            across, drop = across + widths[stop] * ranges[stop], drop or end[stop] == DROP
             stop += 1
         within = first > 0 and stop < columns
-        narrow = within and (stop - first) * width * nearest < NARROWEST
+        narrow = within and across < NARROWEST
         ignored = not lost_counts or not (alone or drop)
         for u in range(first, stop):
             if narrow or (ignored and end[u] == LOST):

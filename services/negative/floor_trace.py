@@ -54,7 +54,11 @@ SPREAD = np.float32(1.25)  # standard deviations in a mean deviation
 FEW, SOME, MANY = np.float32(2.5), np.float32(4.0), np.float32(6.0)  # standard deviations
 SHORTEST = np.float32(0.2)  # [m] of hole along a beam that must be found: its far side shows over a height of
 SHOWN = np.float32(0.6)  # this share of what geometry has it
+STRONG, MORE = np.float32(1.25), np.float32(1.1)  # a fall so much beyond noise counts as more than one row
+UNEVEN = np.float32(0.012)  # [m] that a flat floor rises and falls from row to row, and sensors err
 UNSEEN_SLOPE = np.float32(0.0875)  # that the floor may have before the camera sees it
+LATE = np.float32(0.1)  # [m] of depth without floor at the near end that is more than chance
+UNVERIFIED = np.float32(0.05)  # [m] of floor without a return beyond which nobody knows whether it is there
 DOUBT = np.float32(0.045)  # [m] above or below the plane, where what is first seen may be another floor
 
 
@@ -102,7 +106,7 @@ def floor_trace(
     spread = abs(rates.rows[1] - rates.rows[0]) / camera_height
     per_deviation = ONE / (camera_height * camera_height)
     middle = rates.columns[columns // 2]
-    nearest = max(near, camera_height / max(middle + rates.rows[order[0]], grazing)) + np.float32(0.15)
+    nearest = max(near, camera_height / max(middle + rates.rows[order[0]], grazing)) + LATE
     at = ZERO
     for index in range(len(order)):
         row = order[index]
@@ -110,6 +114,7 @@ def floor_trace(
         # what the middle column's sight says for the row: a hole's far side, and a floor's rise and fall per metre
         steep = max(middle + rate_row, grazing)
         shown = min(SHOWN * SHORTEST * camera_height / (camera_height / steep + SHORTEST), step)
+        shown = max(shown, UNEVEN)
         fallable = min(slope, steep - grazing)
         falls, rises = fallable * steep / (steep - fallable), slope * steep / (steep + slope)
         fill(heights, row, step, filled)
@@ -145,9 +150,9 @@ def floor_trace(
             is_below = looking & (fall > small)
             is_above = looking & (-fall > high)
             is_floor = looking & (fall <= small) & (-fall <= high)
-            was_below = bl > ZERO
-            first_below = is_below & (not was_below) & (not started)
-            bl = bl + ONE if is_below else bl
+            was_below = bl > ONE
+            first_below = is_below & (bl == ZERO) & (not started)
+            bl = bl + (MORE if fall > STRONG * small else ONE) if is_below else bl
             dp = dp + ONE if is_below & (fall > large) else dp
             ab = ab + ONE if is_above else ab
             settled = is_below & (bl >= SETTLED) & (dp < ONE)
@@ -167,7 +172,9 @@ def floor_trace(
             # and how it goes on, if not
             take = (is_floor | step_down) & (not drop)
             smooth = is_floor & take
-            new_doubt = take & (not started) & ((depth > nearest) | (h > DOUBT) | (h < -DOUBT))
+            strange = (depth > nearest) | (h > DOUBT) | (h < -DOUBT)
+            skipped = (rows_since > SPECKLE) & (since > UNVERIFIED)
+            new_doubt = take & (skipped if started else strange)
             away = fall if fall > ZERO else -fall
             new_rough = ro + QUICKLY * (SPREAD * away * rate * per_deviation - ro)
             new_rough = new_rough if new_rough > noise else noise

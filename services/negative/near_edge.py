@@ -49,12 +49,11 @@ def near_edge(points: Points, grid: Grid, limits: Limits, floor_lost: FloorLost,
         rows = row[lost].astype(np.int64)
         hidden = shadowed(points.heights, rates, height, lost, rows, outward, disparity, limits.near)
         end[lost[hidden]] = End.HIDDEN
-    azimuths, ranges = places(end, row, level, view.forward, view.left, view.up, view.camera.floor.d)
-    width = abs(azimuths[-1] - azimuths[0]) / len(end)
-    take_back(end, ranges, width, floor_lost == "counts", floor_lost != "ignored")
+    azimuths, widths, ranges = places(end, row, level, view.forward, view.left, view.up, view.camera.floor.d)
+    take_back(end, ranges, widths, floor_lost == "counts", floor_lost != "ignored")
     meaning = end.astype(np.int8)
     ranges = np.where(TELLS[meaning] > 0.0, ranges, QUIET[meaning])
-    return beams_of_columns(azimuths, ranges, TELLS[meaning], grid)
+    return beams_of_columns(azimuths, widths, ranges, TELLS[meaning], grid)
 
 
 TELLS, QUIET = np.zeros(len(End)), np.full(len(End), np.nan)  # the evidence of each End, and what it says without

@@ -15,7 +15,7 @@ STANDING = 0.03  # [m] above the floor, from which on something stands there
 SEEN = 0.3  # share of floor returns between an obstacle and the trace that is too much for a shadow
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def shadowed(
     heights: Metres,
     rates: Affine,

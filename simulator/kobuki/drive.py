@@ -82,6 +82,12 @@ class WheelModel:
         if not all(-1.0 <= slip <= 1.0 for slip in self.slip):
             raise ValueError(f"slip of {self.slip.left}, {self.slip.right}, expected -1 to 1")
 
+    def ramp(self, speed: float, target: float, dt: float) -> float:
+        """The speed of a rim that makes for a target, a while [s] later. All speeds in m/s."""
+        slowing = speed * (target - speed) < 0.0
+        rate = self.deceleration if slowing else self.acceleration
+        return speed + clamp(target - speed, rate * dt)
+
 
 class RampedWheels:
     """Wheels on a flat floor that change speed at a limited rate and slip as their model says: a `Drive`."""
@@ -106,16 +112,12 @@ class RampedWheels:
     def step(self, dt: float) -> None:
         """Let a moment pass [s], short against the time in which speeds change."""
         before, target = self.speeds, self._target
-        self.speeds = Wheels(self._ramp(before.left, target.left, dt), self._ramp(before.right, target.right, dt))
+        ramp = self.model.ramp
+        self.speeds = Wheels(ramp(before.left, target.left, dt), ramp(before.right, target.right, dt))
         left = dt * (before.left + self.speeds.left) / 2
         right = dt * (before.right + self.speeds.right) / 2
         self.travelled = Wheels(self.travelled.left + left, self.travelled.right + right)
         self._move(self._grip(left, self.model.slip.left), self._grip(right, self.model.slip.right), dt)
-
-    def _ramp(self, speed: float, target: float, dt: float) -> float:
-        slowing = speed * (target - speed) < 0.0
-        rate = self.model.deceleration if slowing else self.model.acceleration
-        return speed + clamp(target - speed, rate * dt)
 
     def _grip(self, way: float, slip: float) -> float:
         """How far a wheel gets over the floor [m] while its rim turns by a way [m]."""

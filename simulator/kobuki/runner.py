@@ -5,6 +5,7 @@ from __future__ import annotations
 import select
 import threading
 import time
+from collections.abc import Callable
 
 from simulator.kobuki import control
 from simulator.kobuki.base import Base
@@ -18,13 +19,21 @@ LOOK = 0.02  # [s] after which to look, at the latest, whether a driver came
 class Runner:
     """Moves bytes between a base and the world. Whoever owns it says how much time has passed.
 
-    A physics simulator calls `exchange` with its own steps; `run` does with the clock's.
+    A physics simulator calls `exchange` with its own steps; `run` does with the clock's. A simulator that obeys more
+    than the base's own commands over the control socket brings its own `execute`.
     """
 
-    def __init__(self, base: Base, cable: Cable, server: ControlServer | None = None) -> None:
+    def __init__(
+        self,
+        base: Base,
+        cable: Cable,
+        server: ControlServer | None = None,
+        execute: Callable[[str], str] | None = None,
+    ) -> None:
         self.base = base
         self.cable = cable
         self.server = server
+        self._execute = execute or (lambda line: control.execute(base, line))
 
     def __enter__(self) -> Runner:
         return self
@@ -42,7 +51,7 @@ class Runner:
             self.cable.say(pieces)
             self._hear()
         if self.server:
-            self.server.serve(lambda line: control.execute(self.base, line))
+            self.server.serve(self._execute)
             self._plug()
 
     def wait(self, timeout: float) -> None:

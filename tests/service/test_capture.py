@@ -70,8 +70,8 @@ def test_the_simulated_room_comes_out_as_a_fused_scan(client, start):
     start("capture", "--set", "capture.rate=5")
     scan = ear.get()
     ahead = slice(310, 330)
-    assert ranges(scan)[ahead] == pytest.approx(np.full(20, 2.36), abs=0.1)  # where virtual floor sees the hole's edge
-    assert (intensities(scan)[ahead] == 2).all()
+    assert ranges(scan)[ahead] == pytest.approx(np.full(20, 1.5), abs=0.03)
+    assert set(intensities(scan)[ahead]) <= {2, 3}  # a drop, or floor lost
 
 
 @pytest.mark.skipif(library_folder() is None, reason="needs Debian's package libfreenect0.5 (libfreenect and fakenect)")

@@ -101,4 +101,6 @@ def test_by_default_negative_is_near_edge(client, negative):
     on_hole = np.abs(np.tan(np.radians(np.linspace(-29, 29, 160))) * scenes.HOLE[0]) < 0.3
     assert_allclose(ranges(one)[on_hole] * np.cos(np.radians(np.linspace(-29, 29, 160)))[on_hole], 1.5, atol=0.06)
     assert set(intensities(one)[on_hole]) == {2}
-    assert not any(ear.all() for ear in paper)
+    farthest_point, virtual_floor = (ranges(ear.get()) for ear in paper)  # published for those who listen
+    assert np.isfinite(farthest_point).all()
+    assert (ranges(other)[on_hole] < virtual_floor[on_hole]).all()

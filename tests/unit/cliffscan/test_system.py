@@ -11,6 +11,7 @@ from cliffscan.cli import build_parser
 from cliffscan.system import Plan
 from common import options
 from common.config import SERVICES, ConfigError
+from simulator.__main__ import options as simulator_options
 
 
 def option(command, name):
@@ -88,3 +89,28 @@ def test_an_override_is_refused_at_once_or_by_its_service(override):
     except ConfigError:
         return
     assert option(plan.service(override.split(".")[0]), "--set") == [override]
+
+
+def test_a_world_takes_the_place_of_base_and_camera():
+    plan = Plan(overrides=["capture.pitch=10", "capture.rate=15"], base="emulated", world="random:3", folder="/run/x")
+    plan.check()
+    processes = plan.base_processes()
+    assert list(processes) == ["simulation", "kobuki"]
+    assert option(processes["kobuki"], "--set") == ["kobuki.port=/run/x/kobuki"]
+    overrides = ["capture.pitch=10", "capture.rate=15", "capture.source=simulator", "capture.simulation=/run/x/frames"]
+    assert option(plan.capture(), "--set") == overrides
+    told = simulator_options().parse_args(processes["simulation"][3:])
+    assert (told.world, told.pitch, told.rate, told.height) == ("random:3", 10.0, 15.0, 0.30)
+    assert (str(told.link), told.frames) == ("/run/x/kobuki", "/run/x/frames")
+
+
+def test_without_a_world_the_base_is_the_one_named():
+    assert Plan().base_processes() == {}
+    assert list(Plan(base="emulated", folder="/run/x").base_processes()) == ["base", "kobuki"]
+    assert option(Plan(base="real").base_processes()["kobuki"], "--set") == []
+    assert option(Plan().capture(), "--set") == []
+
+
+def test_a_real_base_has_no_place_in_a_world():
+    with pytest.raises(ConfigError, match="real base"):
+        Plan(base="real", world="office").check()

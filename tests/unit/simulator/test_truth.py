@@ -77,7 +77,7 @@ def test_a_wall_ends_the_beam_before_the_floor_does():
 
 
 @pytest.mark.parametrize("seed", range(3))
-@pytest.mark.parametrize("name", world_names())
+@pytest.mark.parametrize("name", [name for name in world_names() if name != "office"])  # it has ramps: see test_ramps
 def test_the_truth_is_what_rays_find(name, seed):
     rng = np.random.default_rng(seed)
     world = World(name, Pose(rng.uniform(-1.0, 1.4), rng.uniform(-0.5, 0.6), rng.uniform(-np.pi, np.pi)))

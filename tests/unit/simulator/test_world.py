@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from common.geometry import Camera, FloorPlane, Intrinsics, scan_axes
 from simulator.world import Pose, World, world_names
 
-KNOWN = ["empty_room", "open_floor", "paper_room", "paper_room_open", "stairs_corridor"]
+KNOWN = ["empty_room", "landing", "office", "open_floor", "paper_room", "paper_room_open", "stairs_corridor"]
 OPEN_FLOOR = World("open_floor")
 
 
@@ -18,13 +18,14 @@ def test_the_worlds_are_found():
 
 
 def test_an_unknown_world_is_refused_with_the_known_ones():
-    with pytest.raises(ValueError, match=r"'atlantis'.*empty_room, open_floor, paper_room, paper_room_open"):
+    with pytest.raises(ValueError, match=r"'atlantis'.*empty_room, .*paper_room, paper_room_open.* random:SEED"):
         World("atlantis")
 
 
-def test_a_name_is_not_a_path():
+@pytest.mark.parametrize("name", ["../worlds/paper_room", "random:", "random:-1", "random:x"])
+def test_what_is_no_name_is_refused(name):
     with pytest.raises(ValueError, match="no world"):
-        World("../worlds/paper_room")
+        World(name)
 
 
 @pytest.mark.parametrize("name", KNOWN)

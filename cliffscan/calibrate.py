@@ -1,0 +1,137 @@
+"""`cliffscan calibrate`: measure how the camera is mounted, from the floor that it sees."""
+
+from __future__ import annotations
+
+import math
+import sys
+import time
+from collections.abc import Iterator
+from typing import NamedTuple, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from common.bus import Bus
+from common.geometry import FloorPlane
+from common.inbox import Inbox
+from common.message import Message, MessageError
+from common.messages import DepthImage, ServiceStatus
+from common.service import PATIENCE, StopSignal
+from common.topics import DEPTH, status
+from services.capture.floor_tracker import FloorTracker
+
+M = TypeVar("M", bound=Message)
+
+FIRST = 5.0  # [s] in which a capture that works has sent a frame
+ENOUGH = 0.5  # share of the frames in which floor must be seen
+UNITS = np.array([1e3, 180 / math.pi, 180 / math.pi])  # [mm], [deg], [deg]
+STILL = (5.0, 0.5, 0.5)  # [mm], [deg], [deg] by which frames of a camera at rest may differ: standard deviations
+
+
+class NotMeasured(Exception):
+    """The mount could not be measured; the text is one line that says why and what to do."""
+
+
+class Measurement(NamedTuple):
+    """A mount. mounts: (n, 3) height [m], pitch and roll [rad] of the frames in which the floor was seen."""
+
+    mounts: NDArray[np.float64]
+    frames: int  # that came
+    residual: float  # [m] rms height of floor pixels
+    share: float  # of the pixels that may have seen floor
+
+    def lines(self) -> str:
+        """The configuration, and as comments how good it is."""
+        height, pitch, roll = np.median(self.mounts, axis=0) * UNITS
+        scatter = np.std(self.mounts, axis=0) * UNITS
+        return "\n".join(
+            (
+                "[capture]",
+                f"height = {height / 1e3:.4f}  # [m]",
+                f"pitch = {round(pitch, 2) + 0.0:.2f}  # [deg]",
+                f"roll = {round(roll, 2) + 0.0:.2f}  # [deg]",
+                f"# floor seen in {len(self.mounts)} of {self.frames} frames, on {self.share:.0%} of the pixels tried",
+                f"# residual: {self.residual * 1e3:.1f} mm rms of the floor's heights",
+                f"# scatter over the frames: {_told(scatter)}",
+            )
+        )
+
+
+def calibrate(bus: Bus, seconds: float, nominal: FloorPlane | None, stop: StopSignal) -> int:
+    """Print the mount as configuration, measured over `seconds` [s] of frames; 1 where that cannot be done.
+
+    nominal: the mount to look around; None for that of the first frame.
+    """
+    try:
+        print(measure(frames(bus, seconds, stop), nominal).lines())
+    except NotMeasured as why:
+        print(f"cliffscan: {why}", file=sys.stderr)
+        return 1
+    return 0
+
+
+def frames(bus: Bus, seconds: float, stop: StopSignal) -> Iterator[DepthImage]:
+    """The frames that capture sends within `seconds` [s] from the first. Raises NotMeasured where none comes."""
+    inbox: Inbox[bytes] = Inbox()
+    words: Inbox[bytes] = Inbox()
+    bus.subscribe(DEPTH.path, lambda _key, payload: inbox.put(payload))
+    bus.subscribe(status("capture").path, lambda _key, payload: words.put(payload))
+    heard = False
+    deadline = time.monotonic() + FIRST
+    while time.monotonic() < deadline and not stop.is_set():
+        payload = inbox.get(PATIENCE)
+        frame = _decoded(DepthImage, payload)
+        if frame and not heard:
+            heard, deadline = True, time.monotonic() + seconds
+        if frame:
+            yield frame
+    if not heard:
+        told = _decoded(ServiceStatus, words.get(0.0))
+        raise NotMeasured(f"no frame on {DEPTH.key(bus.robot)}: {_remedy(told)}")
+
+
+def _remedy(told: ServiceStatus | None) -> str:
+    """What to do where capture sends nothing, by its last word."""
+    if told is None:
+        return "capture does not run; start it with `cliffscan up` or `python -m services.capture`"
+    return f"capture is {told.state}{': ' if told.note else ''}{told.note}"
+
+
+def measure(images: Iterator[DepthImage], nominal: FloorPlane | None) -> Measurement:
+    """The mount that the floor in the images shows. Raises NotMeasured."""
+    tracker: FloorTracker | None = None
+    seen: list[tuple[float, ...]] = []
+    total = 0
+    for image in images:
+        total += 1
+        tracker = tracker or FloorTracker(nominal or image.camera.floor)
+        floor = tracker.update(image.depth, image.camera)
+        if tracker.measured:
+            seen.append((*floor.mount(), tracker.residual, tracker.share))
+    if tracker is None or len(seen) < ENOUGH * total:
+        why = f": {tracker.note}" if tracker and tracker.note else ""
+        raise NotMeasured(f"floor seen in {len(seen)} of {total} frames{why}; show the camera level, empty floor")
+    table = np.array(seen)
+    measurement = Measurement(table[:, :3], total, *(float(each) for each in np.median(table[:, 3:], axis=0)))
+    _check_still(measurement)
+    return measurement
+
+
+def _check_still(measurement: Measurement) -> None:
+    scatter = np.std(measurement.mounts, axis=0) * UNITS
+    if (scatter > STILL).any():
+        raise NotMeasured(f"the floor moved ({_told(scatter)}): keep the robot still on level floor")
+
+
+def _told(deviations: NDArray[np.float64]) -> str:
+    """Standard deviations in UNITS."""
+    height, pitch, roll = deviations
+    return f"height {height:.2f} mm, pitch {pitch:.3f} deg, roll {roll:.3f} deg"
+
+
+def _decoded(kind: type[M], payload: bytes | None) -> M | None:
+    """The message, or None where there is none or a malformed one: the services count and tell those."""
+    try:
+        return kind.decode(payload) if payload else None
+    except MessageError:
+        return None

@@ -1,0 +1,87 @@
+"""A robot in a simulated world: its base on a pty for `services.kobuki`, its Kinect's frames for `services.capture`.
+
+The world's time passes with the clock's. Faults on demand, and the truth, over the control socket; `help` lists them.
+"""
+
+from __future__ import annotations
+
+import argparse
+import logging
+import math
+from contextlib import ExitStack
+from pathlib import Path
+
+from simulator.frame_server import FrameServer
+from simulator.kinect import kinect_camera
+from simulator.kobuki.__main__ import USAGE_ERROR, stop_signal
+from simulator.kobuki.cable import Cable, CableError
+from simulator.kobuki.drive import WheelModel
+from simulator.kobuki.runner import Runner
+from simulator.kobuki.server import ControlServer, ServerError
+from simulator.live import Live
+from simulator.robot import RobotSimulation
+from simulator.wire import WireError
+from simulator.world import Pose
+
+log = logging.getLogger(__name__)
+
+
+def options() -> argparse.ArgumentParser:
+    """The command line."""
+    parser = argparse.ArgumentParser(prog="python -m simulator", description=__doc__)
+    parser.add_argument("--world", default="paper_room", metavar="NAME", help="or random:SEED; %(default)s")
+    parser.add_argument(
+        "--link", type=Path, required=True, metavar="PATH", help="where the driver finds the base's port"
+    )
+    parser.add_argument("--frames", metavar="ADDRESS", help="where frames are had: a path, or HOST:PORT")
+    parser.add_argument("--control", type=Path, metavar="PATH", help="Unix socket for one-line commands")
+    parser.add_argument("--rate", type=float, default=30.0, metavar="HZ", help="of the frames, %(default)s")
+    parser.add_argument("--start", type=float, nargs=3, default=[0.0, 0.0, 0.0], metavar=("X", "Y", "DEGREES"))
+    parser.add_argument("--height", type=float, default=0.30, metavar="M", help="of the mounted camera, %(default)s")
+    parser.add_argument("--pitch", type=float, default=0.0, metavar="DEGREES", help="it looks down, %(default)s")
+    parser.add_argument("--roll", type=float, default=0.0, metavar="DEGREES", help="it leans right, %(default)s")
+    parser.add_argument("--slip-noise", type=float, default=0.0, metavar="√M", help="the encoders' error [m] after 1 m")
+    parser.add_argument("--seed", type=int, default=0, help="of the sensor's noise, slip noise and garbage")
+    return parser
+
+
+def make_simulation(arguments: argparse.Namespace) -> RobotSimulation:
+    """The simulation that the options describe. Raises ValueError for one that cannot be."""
+    if not 0.0 < arguments.rate < math.inf:
+        raise ValueError(f"a rate of {arguments.rate} Hz, expected more than 0")
+    x, y, degrees = arguments.start
+    camera = kinect_camera(arguments.height, math.radians(arguments.pitch), math.radians(arguments.roll))
+    wheels = WheelModel(noise=arguments.slip_noise)
+    return RobotSimulation(arguments.world, Pose(x, y, math.radians(degrees)), arguments.seed, camera, wheels=wheels)
+
+
+def main() -> None:
+    """Run a simulation until told to end."""
+    parser = options()
+    arguments = parser.parse_args()
+    stop = stop_signal()
+    logging.basicConfig(level=logging.INFO, format="%(asctime)s %(levelname)s simulator: %(message)s")
+    with ExitStack() as opened:
+        try:
+            simulation = make_simulation(arguments)
+            frames = FrameServer(arguments.frames) if arguments.frames else None
+            if frames:
+                opened.callback(frames.close)
+            live = Live(simulation, frames, arguments.rate)
+            cable = Cable(arguments.link)
+            opened.callback(cable.close)
+            server = ControlServer(arguments.control) if arguments.control else None
+        except (ValueError, WireError, OSError, CableError, ServerError) as error:
+            opened.close()
+            parser.exit(USAGE_ERROR, f"simulator: {error}\n")
+        simulation.frame()  # compiles
+        with Runner(simulation.base, cable, server, live.execute) as runner:
+            where = f", frames at {frames.address}" if frames else ""
+            where += f", control at {arguments.control}" if arguments.control else ""
+            log.info("ready: %s is %s%s", arguments.link, cable.device, where)
+            live.run(runner, stop)
+    log.info("ended after %.1f s of the simulation", simulation.time)
+
+
+if __name__ == "__main__":
+    main()

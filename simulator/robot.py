@@ -1,0 +1,113 @@
+"""The robot in a world, whole: physics, firmware and Kinect, stepped by its owner.
+
+simulation = RobotSimulation("paper_room", seed=1)
+simulation.drive(0.3, 0.0)
+while not simulation.fallen:
+    simulation.step(0.1)
+    depth = simulation.frame()
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from common.geometry import Camera, Floats, FloorPlane, axes, check_camera
+from simulator.body import Body
+from simulator.faces import faces_of
+from simulator.kinect import Image, KinectModel, Millimetres, kinect_camera, sense
+from simulator.kobuki.drive import WheelModel
+from simulator.kobuki.firmware import DEAD_TIME
+from simulator.kobuki.kinematics import TRACK, Wheels, limited
+from simulator.rasteriser import depth_image
+from simulator.robot_base import RobotBase
+from simulator.world import START, Pose, World
+
+CAMERA_X = -0.087  # [m] the Kinect of a TurtleBot 2 stands behind the wheels
+
+
+class RobotSimulation:
+    """A TurtleBot 2 in a world by name, the same for the same seed and the same calls. Time passes only in `step`.
+
+    camera: the Kinect and its nominal mount; where it truly is follows from the body, which nods. wheels: how the
+    motors follow a command; dead_time: [s] from a command to the motors.
+    Raises ValueError for an unknown world, an impossible camera or dead time.
+    """
+
+    def __init__(
+        self,
+        world: str,
+        pose: Pose = START,
+        seed: int = 0,
+        camera: Camera | None = None,
+        kinect: KinectModel | None = None,
+        wheels: WheelModel | None = None,
+        dead_time: float = DEAD_TIME,
+    ) -> None:
+        self.world = World(world, pose)
+        self.camera = camera or kinect_camera()
+        self.kinect = kinect or KinectModel()
+        check_camera(self.camera)
+        self.base = RobotBase(Body(world, pose), wheels, dead_time, seed)
+        self._faces = faces_of(self.world)
+        self._rng = np.random.default_rng(seed)
+
+    @property
+    def time(self) -> float:
+        """Time [s] that has passed."""
+        return self.base.time
+
+    @property
+    def pose(self) -> Pose:
+        """Where the middle between the wheels truly is."""
+        return self.base.body.pose
+
+    @property
+    def fallen(self) -> bool:
+        """Whether it has fallen since it was placed."""
+        return self.base.fallen
+
+    @property
+    def bumped(self) -> bool:
+        """Whether anything pushed its hull, from any side, since the last step began."""
+        return self.base.bumped
+
+    def place(self, pose: Pose) -> None:
+        """Put the robot down elsewhere, at rest and unhurt."""
+        self.base.place(pose)
+
+    def drive(self, linear: float, angular: float) -> None:
+        """Command the motors without a driver [m/s, rad/s]; they obey after the dead time, until told otherwise."""
+        half = angular * TRACK / 2
+        self.base.firmware.motors.command(limited(Wheels(linear - half, linear + half)))
+
+    def step(self, dt: float, heard: bytes = b"") -> bytes:
+        """Hear bytes from the driver, let time pass [s]; what the base says meanwhile."""
+        self.base.receive(heard)
+        return b"".join(self.base.step(dt))
+
+    def depth(self) -> Image:
+        """Exact depth [m] of what the camera sees now: (rows, cols), inf = nothing."""
+        return depth_image(self._faces, *self.camera_pose(), self.camera)
+
+    def frame(self) -> Millimetres:
+        """What the Kinect sees now: (rows, cols) [mm], 0 = no return."""
+        return sense(self.depth(), self.camera, self.kinect, self._rng)
+
+    def camera_pose(self) -> tuple[Floats, Floats]:
+        """The camera's true position (3,) [m] in the world, and rotation (3, 3) to it from its optical frame."""
+        body = self.base.body
+        position = body.position + body.rotation @ np.array([CAMERA_X, 0.0, self.camera.floor.d])
+        return position, body.rotation @ np.stack(axes(self.camera.floor))
+
+    def viewpoint(self) -> Pose:
+        """Where scans are taken from: the floor below the camera, heading along its optical axis."""
+        (x, y, _), rotation = self.camera_pose()
+        return Pose(float(x), float(y), math.atan2(rotation[1, 2], rotation[0, 2]))
+
+    def floor(self) -> FloorPlane:
+        """The plane z = 0 as the camera truly stands over it: what a floor tracker should find on a level floor."""
+        position, rotation = self.camera_pose()
+        nx, ny, nz = rotation[2].tolist()
+        return FloorPlane(nx, ny, nz, float(position[2]))

@@ -1,0 +1,3 @@
+"""Hypothesis takes the same examples every time."""
+
+from tests import build  # noqa: F401

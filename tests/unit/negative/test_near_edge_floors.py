@@ -1,0 +1,121 @@
+"""What is a floor, and what is a drop: ramps, kerbs, the shadow beside a box, the end of the sensor's range."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from common.depth_codec import RAW
+from common.geometry import Camera, FloorPlane, scan_axes
+from common.messages import DepthImage
+from services.negative.config import NegativeConfig
+from services.negative.methods import beams_by_method
+from simulator.kinect import KinectModel, kinect_camera, measure, returns
+from tests import scenes
+
+SEEDS = range(3)
+BOX = (1.0, -0.1, 0.0, 1.3, 0.3, 0.25)
+
+
+def seen_by_kinect(millimetres: np.ndarray, camera: Camera, seed: int, **changes) -> DepthImage:
+    """The frame that a noisy Kinect makes of an exact image."""
+    metres = np.where(millimetres > 0, millimetres / 1000, np.inf).astype(np.float32)
+    model = KinectModel(**changes)
+    depth = measure(returns(metres, camera, model), camera, model, np.random.default_rng(seed))
+    return DepthImage.pack(0, 0, "camera", depth, camera, RAW)
+
+
+def drops(image: DepthImage, **config) -> np.ndarray:
+    """The ranges, of the beams that tell a drop."""
+    ranges = beams_by_method(image, NegativeConfig(**config), ["near_edge"])["near_edge"].ranges
+    return ranges[np.isfinite(ranges)]
+
+
+def ramp(camera: Camera, start: float, degrees: float, end: float = 2.6) -> np.ndarray:
+    """(rows, columns) [mm]: a floor that from x = start to x = end rises, or falls, and then is level again."""
+    forward, _, up = (axis.table() for axis in scan_axes(camera))
+    slope, height = math.tan(math.radians(degrees)), camera.floor.d
+    with np.errstate(divide="ignore", invalid="ignore"):
+        flat, top = -height / up, (slope * (end - start) - height) / up
+        sloping = (-slope * start - height) / (up - slope * forward)
+        on_ramp = (sloping > 0) & (forward * sloping >= start) & (forward * sloping < end)
+        nearest = np.where((up < 0) & (forward * top >= end), top, 60.0)
+        nearest = np.where(on_ramp & (sloping < nearest), sloping, nearest)
+        nearest = np.where((up < 0) & (forward * flat < start), flat, nearest)
+    return np.round(nearest * 1000).astype(np.uint16)
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+@pytest.mark.parametrize("start", [0.9, 1.5])
+@pytest.mark.parametrize("degrees", [5.0, 2.5, -2.5, -5.0])
+@pytest.mark.parametrize(("height", "pitch"), [(0.3, 0.0), (0.5, 20.0)])
+def test_a_ramp_that_can_be_driven_is_floor(height, pitch, degrees, start, seed):
+    camera = kinect_camera(height, math.radians(pitch))
+    assert not len(drops(seen_by_kinect(ramp(camera, start, degrees, end=2.2), camera, seed)))
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+@pytest.mark.parametrize("distance", [0.9, 1.2, 1.5])
+def test_a_kerb_of_5_cm_is_a_drop(distance, seed):
+    camera = kinect_camera()
+    depth = scenes.depth(camera, [(distance, -9.0, -0.05, 9.0, 9.0, 0.0)], wall=60.0)
+    ranges = drops(seen_by_kinect(depth, camera, seed))
+    angles = NegativeConfig().grid().angles()
+    assert len(ranges) > 0.99 * len(angles)
+    assert np.median(ranges) == pytest.approx(np.median(distance / np.cos(angles)), abs=0.03)
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+@pytest.mark.parametrize("box", [BOX, (1.8, -0.3, 0.0, 2.0, 0.0, 0.6), (0.8, -0.02, 0.0, 0.84, 0.02, 0.8)])
+def test_the_shadow_beside_a_box_is_no_drop(box, seed):
+    camera = kinect_camera()
+    image = seen_by_kinect(scenes.depth(camera, boxes=[box]), camera, seed)
+    assert not len(drops(image))
+
+
+def test_a_sensor_without_a_baseline_has_no_shadows():
+    camera = kinect_camera()
+    image = seen_by_kinect(scenes.depth(camera, boxes=[BOX]), camera, seed=1, dropout=0.0)
+    assert len(drops(image, baseline=0.0)) > 5  # so the last test has something to show
+
+
+@pytest.mark.parametrize("far", [1.5, 2.5, 4.5, 8.0])
+@pytest.mark.parametrize("height", [0.2, 0.3, 0.8])
+def test_where_the_sensors_range_ends_there_is_no_drop(height, far):
+    camera = replace(kinect_camera(height, math.radians(10)), range=(0.5, far))
+    for seed in SEEDS:
+        image = seen_by_kinect(scenes.depth(camera, wall=60.0), camera, seed)
+        ranges = beams_by_method(image, NegativeConfig(), ["near_edge"])["near_edge"].ranges
+        assert np.isposinf(ranges).mean() > 0.99
+        assert not np.isfinite(ranges).any()
+
+
+def test_a_wall_that_hides_the_floor_is_no_drop_and_nothing_is_known_behind_it():
+    camera = kinect_camera()
+    image = seen_by_kinect(scenes.depth(camera, wall=2.0), camera, seed=0)
+    assert np.isnan(beams_by_method(image, NegativeConfig(), ["near_edge"])["near_edge"].ranges).all()
+
+
+def test_a_table_in_the_way_of_nothing_hides_no_drop_behind_its_legs():
+    camera = kinect_camera()
+    depth = scenes.depth(camera, [scenes.HOLE], [(1.0, -0.3, 0.0, 1.05, -0.25, 0.5)], wall=60.0)
+    for seed in SEEDS:
+        ranges = drops(seen_by_kinect(depth, camera, seed))
+        assert len(ranges) > 300
+        assert (np.abs(ranges - 1.55) < 0.15).all()
+
+
+def test_the_steepest_floor_can_be_configured():
+    camera = kinect_camera(0.5, math.radians(20))
+    image = seen_by_kinect(ramp(camera, 1.2, -9.0), camera, seed=0)
+    assert len(drops(image)) > 300
+    assert not len(drops(image, steepest=10.0))
+
+
+def test_a_floor_may_be_seen_from_any_height_upside_down():
+    camera = replace(kinect_camera(), floor=FloorPlane.from_mount(0.4, math.radians(10), math.pi))
+    depth = scenes.depth(camera, [scenes.HOLE], wall=60.0)
+    ranges = drops(seen_by_kinect(depth, camera, seed=0))
+    assert len(ranges) > 300
+    assert (np.abs(ranges - 1.55) < 0.15).all()

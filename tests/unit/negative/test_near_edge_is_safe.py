@@ -1,0 +1,165 @@
+"""What the robot lives by: near_edge tells no edge too far, and nothing free that was not seen."""
+
+import math
+from typing import get_args
+
+import numpy as np
+import pytest
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+
+from common.combine import combine
+from common.depth_codec import RAW
+from common.evidence import Evidence
+from common.geometry import Affine, FloorPlane, scan_axes
+from common.messages import DepthImage
+from services.negative.config import Method, NegativeConfig
+from services.negative.methods import beams_by_method
+from services.negative.shadow import shadowed
+from tests import scenes
+
+METHODS = get_args(Method)
+CONFIG = NegativeConfig()
+ANGLES = CONFIG.grid().angles()
+BLOCK = 0.2  # [m] of floor, more than least_gap
+SIZES = st.integers(0, 2**32 - 1)
+
+
+def mounted(height, pitch=0.0, roll=0.0, width=160, rows=120):
+    return scenes.camera(width, rows, FloorPlane.from_mount(height, math.radians(pitch), math.radians(roll)))
+
+
+def found(depth, camera, config=CONFIG):
+    image = DepthImage.pack(0, 0, "camera", depth, camera, RAW)
+    return beams_by_method(image, config, ["near_edge"])["near_edge"]
+
+
+def floor_of(camera):
+    """The floor's distance [m] and azimuth [rad] at every pixel; nan above the horizon."""
+    forward, left, up = (axis.table() for axis in scan_axes(camera))
+    away = np.where(up < -1e-3, -camera.floor.d / np.minimum(up, -1e-3), np.nan)
+    return np.hypot(forward, left) * away, np.arctan2(left, forward), away
+
+
+@settings(max_examples=40)
+@given(st.floats(0.2, 1.0), st.floats(0, 35), st.sampled_from([0.0, 180.0]), st.floats(0, 1), st.booleans())
+def test_no_edge_is_farther_than_the_last_row_of_floor(height, pitch, roll, share, deep):
+    camera = mounted(height, pitch, roll)
+    distance, _, away = floor_of(camera)
+    first, last = (float(limit) for limit in np.nanpercentile(distance[(away > 0.4) & (away < 3.0)], (0, 100)))
+    end = first + 0.4 + share * max(last - first - 0.8, 0.0)
+    depth = scenes.depth(camera, wall=60.0)
+    beyond = ~(distance <= end)
+    depth[beyond] = (depth[beyond] * (1 + 0.6 / height)).clip(0, 60000) if deep else 0
+    beams = found(depth, camera)
+    row = end**2 / (camera.intrinsics.fy * height) * 2 + 0.02  # [m] on the floor: a pitched camera's rows lie oblique
+    sees = np.isfinite(beams.ranges)
+    assert (beams.ranges[sees] <= end + row).all()
+    assert sees.mean() > 0.9
+
+
+@settings(max_examples=60)
+@given(
+    st.floats(0.2, 1.0),
+    st.floats(0, 30),
+    st.sampled_from([0.0, 180.0]),
+    st.floats(0, 1),
+    st.floats(0, 1),
+    st.floats(0.1, 0.5),
+    st.sampled_from(["counts", "beside_drop", "ignored"]),
+)
+def test_a_beam_through_a_part_of_the_floor_that_was_not_seen_is_not_free(
+    height, pitch, roll, near, aside, wide, floor_lost
+):
+    camera = mounted(height, pitch, roll)
+    distance, azimuth, away = floor_of(camera)
+    depth = scenes.depth(camera, wall=60.0)
+    nearest = np.nanmin(np.where(away > 0.4, distance, np.nan), axis=0).max()
+    start = nearest + near * (3.0 - nearest - BLOCK)
+    spacing = (start + BLOCK) ** 2 / (camera.intrinsics.fy * height)
+    length = max(BLOCK, 7 * spacing)
+    assume(start + length < 3.2)
+    middle = math.radians(-25 + 50 * aside)
+    half = max(wide / 2, 3 * math.radians(58) / 160)
+    depth[(distance > start) & (distance < start + length) & (abs(azimuth - middle) < half)] = 0
+    beams = found(depth, camera, NegativeConfig(floor_lost=floor_lost))
+    through = np.abs(ANGLES - middle) < half - 1.5 * math.radians(58) / 160
+    assert through.any()
+    assert not np.isposinf(beams.ranges[through]).any()
+
+
+@pytest.mark.parametrize("mount", [(0.3, 0, 0), (0.3, 20, 3), (0.5, 10, 180), (0.4, 10, 90), (0.4, 10, -90)])
+def test_a_frame_without_returns_tells_nothing(mount):
+    camera = mounted(*mount)
+    beams = found(np.zeros((120, 160), np.uint16), camera)
+    assert np.isnan(beams.ranges).all()
+    assert not beams.evidence.any()
+
+
+@pytest.mark.parametrize("mount", [(0.3, 0, 0), (0.3, 20, 3), (0.5, 10, 180), (0.4, 10, 90), (0.4, 10, -90)])
+def test_an_open_floor_is_free(mount):
+    width, rows = (120, 160) if abs(mount[2]) == 90 else (160, 120)
+    camera = mounted(*mount, width, rows)
+    inner = NegativeConfig(field_of_view=40)
+    assert np.isposinf(found(scenes.depth(camera, wall=60.0), camera, inner).ranges).all()
+
+
+@settings(max_examples=60)
+@given(st.floats(0.05, 20), st.floats(-80, 80), st.floats(-180, 180), st.sampled_from(["noise", "hole", "flat"]), SIZES)
+def test_any_image_of_any_camera_gives_lawful_scans(height, pitch, roll, kind, seed):
+    camera = mounted(height, pitch, roll, 24, 18)
+    noise = np.random.default_rng(seed)
+    depth = scenes.depth(camera, [scenes.HOLE] if kind == "hole" else [])
+    if kind == "noise":
+        depth = noise.integers(0, noise.integers(2, 65536), depth.shape).astype(np.uint16)
+    depth[noise.random(depth.shape) < 0.1] = 0
+    beams = found(depth, camera)
+    numbers = np.isfinite(beams.ranges)
+    assert (beams.ranges[numbers] > 0).all()
+    assert (beams.ranges[numbers] <= CONFIG.reach(camera)).all()
+    assert not np.isneginf(beams.ranges).any()
+    assert set(beams.evidence) <= {Evidence.NOTHING, Evidence.DROP, Evidence.FLOOR_LOST}
+    np.testing.assert_array_equal(numbers, beams.evidence > 0)
+
+
+@settings(max_examples=30)
+@given(st.floats(0, 35), st.floats(0, 0.6), st.permutations(METHODS), SIZES)
+def test_combining_it_with_others_never_hides_an_obstacle(pitch, lost, methods, seed):
+    camera = mounted(0.3, pitch)
+    depth = scenes.depth(camera, [scenes.HOLE])
+    depth[np.random.default_rng(seed).random(depth.shape) < lost] = 0
+    image = DepthImage.pack(0, 0, "camera", depth, camera, RAW)
+    scans = list(beams_by_method(image, CONFIG, methods).values())
+    together = combine(scans)
+    for scan in scans:
+        told = np.isfinite(scan.ranges)
+        assert (together.ranges[told] <= scan.ranges[told]).all()
+        assert not np.isposinf(together.ranges[np.isnan(scan.ranges)]).any()
+
+
+@pytest.mark.parametrize("beams", [5, 9, 15, 31, 640])
+def test_a_hole_between_the_middles_of_two_beams_is_told(beams):
+    camera = mounted(0.3, 10, width=640, rows=480)
+    config = NegativeConfig(beams=beams)
+    right, left = config.grid().angles()[beams // 2 - 1 :][:2]
+    aside = 1.5 * math.tan((right + left) / 2)
+    depth = scenes.depth(camera, [(1.5, aside - 0.06, -0.5, 2.4, aside + 0.06, 0.0)], wall=60.0)
+    assert np.isfinite(found(depth, camera, config).ranges[beams // 2 - 1 :][:2]).all()
+
+
+@pytest.mark.parametrize("pitch", [0, 20, 35, 45, 60])
+def test_no_beam_is_empty_merely_because_a_camera_looks_down(pitch):
+    camera = mounted(1.0, pitch, width=640, rows=480)
+    near = 1.0 / math.tan(math.radians(pitch + 18))
+    depth = scenes.depth(camera, [(near, -0.3, -0.5, near + 0.6, 0.3, 0.0)], wall=60.0)
+    on_hole = np.abs(np.tan(ANGLES) * near) < 0.25
+    assert np.isfinite(found(depth, camera).ranges[on_hole]).all()
+
+
+def test_what_stands_exactly_on_the_horizon_of_a_rolled_camera_costs_nothing():
+    heights = np.full((6, 20), np.nan, np.float32)
+    heights[:, 12] = 0.3  # as high as the camera, where a ray is level
+    columns = np.where(np.arange(20) == 12, -0.1, 0.0).astype(np.float32)
+    rates = Affine(columns, np.full(6, 0.1, np.float32))
+    one = shadowed(heights, rates, np.float32(0.3), np.array([10]), np.array([4]), -1, 40.0, 0.5)
+    assert one.shape == (1,)
