@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from functools import cache
+from itertools import pairwise
 
 import numpy as np
 
@@ -217,10 +218,17 @@ def of_beams(ends: list[End], places: list[tuple[float, float, float]], grid: Gr
         heard = [u for u, (azimuth, _, width) in enumerate(places) if abs(azimuth - angle) <= max(width, half)]
         heard = heard or [u for u in range(len(places)) if is_nearest(places, u, angle)]
         numbers = [(places[u][1], 2.0 if ends[u] == End.DROP else 3.0) for u in heard if numbered(ends[u])]
-        free = heard and all(ends[u] == End.SIGHT for u in heard)
+        free = heard and all(ends[u] == End.SIGHT for u in heard) and not between_closed(ends, places, angle)
         told.append(min(numbers, key=lambda number: number[0]) if numbers else (math.inf if free else math.nan, 0.0))
     ranges, evidence = zip(*told, strict=True)
     return np.array(ranges), np.array(evidence)
+
+
+def between_closed(ends: list[End], places: list[tuple[float, float, float]], angle: float) -> bool:
+    """Whether an angle lies between two neighbouring columns neither of which is free."""
+    spans = [sorted((one[0], other[0])) for one, other in pairwise(places)]
+    closed = [End.SIGHT not in pair for pair in pairwise(ends)]
+    return any(shut and low <= angle <= high for shut, (low, high) in zip(closed, spans, strict=True))
 
 
 def is_nearest(places: list[tuple[float, float, float]], u: int, angle: float) -> bool:

@@ -16,7 +16,7 @@ def beams_of_columns(azimuths: Floats, widths: Floats, ranges: Floats, evidence:
 
     A beam listens to the columns whose middle it covers or that are less than their own width [rad] away; where there
     are none, to the nearest of the two that it lies between. It tells what is worst: the nearest number, or NaN, or
-    +inf; what one of them does not know the other does not make free.
+    +inf; what one of them does not know the other does not make free, nor is a beam between two that are not.
     """
     return Beams(*_tell(azimuths, widths, ranges, evidence, grid.beams, grid.angle_min, grid.increment))
 
@@ -55,4 +55,13 @@ def _tell(
                 if worse:
                     told[beam], why[beam] = value, evidence[column]
                 heard[beam] = turn
+    for column in range(len(azimuths) - 1):
+        if not np.isinf(ranges[column]) and not np.isinf(ranges[column + 1]):
+            low, high = azimuths[column], azimuths[column + 1]
+            first, last = (
+                np.ceil((min(low, high) - angle_min) / increment),
+                np.floor((max(low, high) - angle_min) / increment),
+            )
+            for beam in range(max(int(first), 0), min(int(last), beams - 1) + 1):
+                told[beam] = np.nan if np.isinf(told[beam]) else told[beam]
     return told, why

@@ -163,3 +163,16 @@ def test_what_stands_exactly_on_the_horizon_of_a_rolled_camera_costs_nothing():
     rates = Affine(columns, np.full(6, 0.1, np.float32))
     one = shadowed(heights, rates, np.float32(0.3), np.array([10]), np.array([4]), -1, 40.0, 0.5)
     assert one.shape == (1,)
+
+
+@pytest.mark.parametrize(
+    ("height", "pitch", "start", "middle"),
+    [(0.2672122748659079, 30.816103691334945, 0.6143253119255929, -0.22744306755398813),
+     (0.5252082693985014, 32.748974041557425, 0.5019404182785919, 0.2816143553015266)],
+)  # fmt: skip
+def test_no_beam_is_free_between_two_columns_that_are_not(height, pitch, start, middle):
+    camera = mounted(height, pitch, width=640, rows=480)
+    distance, azimuth, _ = floor_of(camera)
+    depth = scenes.depth(camera, wall=60.0)
+    depth[(distance > start) & (distance < start + 0.4) & (abs(azimuth - middle) < 0.2)] = 0
+    assert not np.isposinf(found(depth, camera).ranges[np.abs(ANGLES - middle) < 0.195]).any()
