@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import argparse
 import logging
+from dataclasses import replace
 from pathlib import Path
+from typing import get_args
 
 from rich.console import Console
 
@@ -13,12 +15,15 @@ from common.bus import BusError
 from common.config import ConfigError
 from common.service import USAGE_ERROR, StopSignal
 from experiments.collect import Failed
+from experiments.drive import Step, To
+from experiments.map_system import Mapper
+from experiments.mapping import ROUND, run_mapping
 from experiments.run import Run, run_folder, run_worlds
 
 EVERY_METHOD = 'negative.methods=["farthest_point", "virtual_floor", "near_edge"]'  # unless --set has it otherwise
 WORLDS = ("paper_room", "paper_room_open")  # figures 11 to 13, 17, 18, 21; 14 to 16, 19, 20, 22
 INTERRUPTED = 130
-DESCRIPTION = "The paper's simulated experiments through the real services, or the same pictures of a recording."
+DESCRIPTION = "The paper's experiments through the real services, or the same pictures of a recording."
 
 
 def build_parser() -> argparse.ArgumentParser:
@@ -27,7 +32,11 @@ def build_parser() -> argparse.ArgumentParser:
     what = parser.add_mutually_exclusive_group()
     what.add_argument("--data", type=Path, metavar="DIR", help="play this depth folder instead of the simulator")
     what.add_argument("--world", action="append", metavar="NAME", help="a simulated world (default: the paper's two)")
+    what.add_argument("--map", action="store_true", help="the mapping experiment only")
     parser.add_argument("--frames", type=positive, default=30, metavar="N", help="frames of each world (default 30)")
+    parser.add_argument("--slam", choices=get_args(Mapper), default="odometry_map", help="what maps (%(default)s)")
+    parser.add_argument("--route", type=route, default=ROUND, metavar="'X,Y ...'", help="way points [m] of the drive")
+    parser.add_argument("--film", type=Path, metavar="FILE", help="make an animated GIF of the drive")
     parser.add_argument("--out", type=Path, default=Path("out"), metavar="DIR", help="where to write (default out)")
     parser.add_argument(
         "--set", action="append", default=[], metavar="SERVICE.KEY=VALUE", help="override a service's configuration"
@@ -41,6 +50,14 @@ def positive(text: str) -> int:
     if not number:
         raise argparse.ArgumentTypeError(f"expected a whole number above 0, got {text!r}")
     return number
+
+
+def route(text: str) -> list[Step]:
+    """Way points: pairs of numbers, as `0.5,0 0.5,-1`."""
+    places = [word.split(",") for word in text.split()]
+    if not places or any(len(place) != 2 for place in places):
+        raise argparse.ArgumentTypeError(f"expected X,Y pairs, got {text!r}")
+    return [To(float(x), float(y)) for x, y in places]
 
 
 def main() -> None:
@@ -58,7 +75,10 @@ def main() -> None:
         if arguments.data:
             run_folder(run, arguments.data)
         else:
-            run_worlds(run, arguments.world or WORLDS, arguments.frames)
+            if not arguments.map:
+                run_worlds(run, arguments.world or WORLDS, arguments.frames)
+            if not arguments.world:
+                run_mapping(replace(run, overrides=arguments.set), arguments.route, arguments.slam, arguments.film)
     except ConfigRefused:
         parser.exit(USAGE_ERROR)  # the service has said why
     except (ConfigError, BusError) as error:

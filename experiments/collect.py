@@ -5,10 +5,12 @@ from __future__ import annotations
 import os
 import socket
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
+from typing import Protocol
 
 from rich.progress import Progress
 
+from cliffscan.supervisor import Supervisor
 from cliffscan.system import Plan, System
 from common.config import SENSING
 from common.inbox import Inbox
@@ -16,7 +18,7 @@ from common.messages import DepthImage, LaserScan
 from common.service import StopSignal
 from common.topics import DEPTH
 from experiments.frames import Gathering
-from experiments.goals import Goal
+from experiments.goals import Aim, Goal
 from experiments.service_log import ServiceLog
 
 ROOM = 512  # samples that may wait to be read: some seconds of all keys
@@ -56,7 +58,7 @@ def collect(
         watch = Watch(system)
         while goal.done < goal.total and not stop.is_set():
             watch.look(goal)
-            _tell(progress, log)
+            tell(progress, log)
             progress.update(task, completed=goal.done, description=f"{title}: {watch.state}")
             arrived = inbox.get(TURN)
             frame = gathering.take(*_decoded(*arrived)) if arrived else None
@@ -65,27 +67,53 @@ def collect(
         progress.update(task, completed=goal.done, description=f"{title}: ending the services")
     stop.patient = False
     if not stop.is_set():  # or else the last words are of processes that were interrupted
-        _tell(progress, log)
+        tell(progress, log)
     progress.update(task, description=title)
 
 
-class Watch:
-    """Looks whether the processes live and get on."""
+class Watched(Protocol):
+    """Processes that are looked after."""
 
-    def __init__(self, system: System, clock: Callable[[], float] = time.monotonic) -> None:
-        self._system = system
-        self._clock = clock
+    @property
+    def supervisor(self) -> Supervisor:
+        """The processes."""
+
+    @property
+    def alive(self) -> set[str]:
+        """What works."""
+
+    def poll(self) -> None:
+        """Look after the processes. Raises ConfigRefused."""
+
+
+class Watch:
+    """Looks whether the processes live and get on: first all that are wanted have to work, then there is work to do."""
+
+    def __init__(
+        self,
+        system: Watched,
+        clock: Callable[[], float] = time.monotonic,
+        wanted: Collection[str] = SENSING,
+        work: str = "collecting frames",
+    ) -> None:
+        self._system, self._clock = system, clock
+        self._wanted, self._work = wanted, work
         self._pids: dict[str, int] = {}
         self._progress = (0, 0)  # services that are ready, frames that are there
         self._since = clock()
 
     @property
+    def started(self) -> bool:
+        """Whether all that are wanted work."""
+        return self._system.alive.issuperset(self._wanted)
+
+    @property
     def state(self) -> str:
         """What is waited for."""
-        starting = [name for name in SENSING if name not in self._system.alive]
-        return f"starting {', '.join(starting)}" if starting else "collecting frames"
+        starting = [name for name in self._wanted if name not in self._system.alive]
+        return f"starting {', '.join(starting)}" if starting else self._work
 
-    def look(self, goal: Goal) -> None:
+    def look(self, goal: Aim) -> None:
         """Look after the processes. Raises Failed, Silent, ConfigRefused."""
         self._system.poll()
         for name, child in self._system.supervisor.children.items():
@@ -95,9 +123,11 @@ class Watch:
         now = self._clock()
         if progress != self._progress:
             self._progress, self._since = progress, now
-        patience = goal.patience if self._system.alive.issuperset(SENSING) else STARTING
+        patience = goal.patience if self.started else STARTING
         if now - self._since > patience:
-            raise Silent(f"nothing new for {patience:.0f} s while {self.state}: {goal.done} of {goal.total} frames")
+            raise Silent(
+                f"nothing new for {patience:.0f} s while {self.state}: {goal.done} of {goal.total} {goal.unit}"
+            )
 
 
 def free_port() -> int:
@@ -112,6 +142,8 @@ def _decoded(path: str, payload: bytes) -> tuple[str, DepthImage | LaserScan]:
     return path, (DepthImage if path == DEPTH.path else LaserScan).decode(payload)
 
 
-def _tell(progress: Progress, log: ServiceLog) -> None:
+def tell(progress: Progress, log: ServiceLog, expected: tuple[str, ...] = ()) -> None:
+    """Print what the services complain of, but for what begins with an `expected` text."""
     for line in log.complaints():
-        progress.console.print(f"  {line}", markup=False, highlight=False, soft_wrap=True)
+        if not line.startswith(expected):
+            progress.console.print(f"  {line}", markup=False, highlight=False, soft_wrap=True)

@@ -23,15 +23,20 @@ LAPS = 3  # rounds without any new frame, after which the others are given up
 Key = tuple[Camera, bytes]
 
 
-class Goal(Protocol):
-    """What collecting is for."""
+class Aim(Protocol):
+    """What all the processes are for."""
 
-    total: int  # frames wanted
+    unit: str  # what is counted
+    total: int  # wanted
     patience: float  # [s] without a new one, after which it is of no use to go on
 
     @property
     def done(self) -> int:
-        """How many of the wanted frames are there."""
+        """How many of the wanted ones are there."""
+
+
+class Goal(Aim, Protocol):
+    """Frames to collect."""
 
     def take(self, frame: Frame) -> None:
         """Take in a complete frame, wanted or not."""
@@ -40,6 +45,7 @@ class Goal(Protocol):
 class FirstFrames:
     """The first `total` frames, whatever they show."""
 
+    unit = "frames"
     patience = 30.0
 
     def __init__(self, total: int) -> None:
@@ -63,6 +69,8 @@ class EveryFrame:
     The scans of all frames are kept, whole frames only for `pictures` of them, evenly chosen.
     Raises ConfigError where the folder cannot be used.
     """
+
+    unit = "frames"
 
     def __init__(self, folder: Path, pictures: int) -> None:
         self.bad: list[str] = []  # why, of each frame that cannot be had

@@ -86,7 +86,7 @@ def run_worlds(run: Run, names: Sequence[str], frames: int) -> None:
         worlds = [World(name) for name in names]
     except ValueError as error:
         raise configuration.ConfigError(str(error)) from error
-    with _telling(run) as (progress, log):
+    with telling(run) as (progress, log):
         for world in worlds:
             goal = FirstFrames(frames)
             run.collect(goal, world.name, log, progress, [f"world={world.name}", "source=simulator", f"rate={RATE}"])
@@ -104,7 +104,7 @@ def run_folder(run: Run, folder: Path) -> None:
     name = folder.resolve().name
     # a frame comes back with the floor that its folder says, by which it is known
     capture = ["source=replay", f"path={folder.resolve()}", f"rate={goal.rate}", "loop=true", "floor=fixed"]
-    with _telling(run) as (progress, log):
+    with telling(run) as (progress, log):
         for why in goal.bad:
             progress.console.print(f"  leaving out {why}", markup=False, highlight=False, soft_wrap=True)
             log.silence(f"capture: bad_frame: {why}")
@@ -139,7 +139,7 @@ def score_all(world: World, frames: Sequence[Frame]) -> dict[str, Score]:
 
 
 @contextmanager
-def _telling(run: Run) -> Iterator[tuple[Progress, ServiceLog]]:
+def telling(run: Run) -> Iterator[tuple[Progress, ServiceLog]]:
     """A progress bar, and the services' log kept away from it."""
     columns = SpinnerColumn(), TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn()
     with Progress(*columns, console=run.console) as progress, ServiceLog(run.log_file) as log:

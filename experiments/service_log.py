@@ -12,6 +12,7 @@ from typing import Self
 STDERR = 2
 PREFIX = re.compile(r"^\d{4}-\d\d-\d\d \S+ (?P<level>[A-Z]+) (?P<text>.*)$")
 COUNT = re.compile(r" \(\d+ so far\)")
+NUMBER = re.compile(r"\d+")
 QUIET = ("DEBUG", "INFO")
 
 
@@ -40,18 +41,19 @@ class ServiceLog:
         self._written.close()
 
     def complaints(self) -> list[str]:
-        """The lines since this was last asked that a person should see; of those that differ in a count, the first."""
+        """The lines since this was last asked that a person should see; of those that differ in numbers, the first."""
         *lines, self._line = (self._line + self._written.read()).split("\n")
         return [line for line in map(complaint, lines) if self._is_new(line)]
 
     def silence(self, line: str) -> None:
         """Take this complaint for told."""
-        self._told.add(line)
+        self._told.add(NUMBER.sub("", line))
 
     def _is_new(self, line: str) -> bool:
-        if not line or line in self._told:
+        key = NUMBER.sub("", line)
+        if not line or key in self._told:
             return False
-        self._told.add(line)
+        self._told.add(key)
         return True
 
 

@@ -10,6 +10,8 @@ from rich.box import SIMPLE_HEAD
 from rich.table import Table as RichTable
 from rich.text import Text
 
+from experiments.map_score import DEFINITIONS as MAP_DEFINITIONS
+from experiments.map_score import MapScore
 from experiments.score import DEFINITIONS, Census, Score
 
 EDGE_HEADINGS = ("world", "scan", "median [m]", "95 % [m]", "missed", "late", "false")
@@ -18,6 +20,8 @@ CENSUS_NOTE = """\
 Shares of all beams: those with a number, those that looked and found nothing,
 those that did not see. The median is that of the numbers.
 """
+MAP_HEADINGS = ("map of", "free beyond", "blocked", "edges", "rms", "final")
+MAP_NAMES = {"positive": "positive, fig. 24", "paper": "the paper's, fig. 25", "fused": "fused (ours)"}
 NONE = "-"
 
 
@@ -64,6 +68,22 @@ def census_table(title: str, counts: Mapping[str, Census]) -> Table:
         for scan, each in counts.items()
     ]
     return Table(title, CENSUS_HEADINGS, rows, 1, CENSUS_NOTE)
+
+
+def map_table(scores: Mapping[str, MapScore], drive: str) -> Table:
+    """How good each map is; `drive` tells in a few words what it was made of."""
+    rows = [
+        (
+            MAP_NAMES.get(name, name),
+            f"{each.free_beyond:.2f} m²",
+            f"{each.blocked:.2f} m²",
+            _percent(each.edges),
+            f"{100 * each.rms:.1f} cm",
+            f"{100 * each.final:.1f} cm",
+        )
+        for name, each in scores.items()
+    ]
+    return Table(f"The same drive mapped from three scans: {drive}", MAP_HEADINGS, rows, 1, MAP_DEFINITIONS)
 
 
 def _metres(value: float, sign: str = "+") -> str:

@@ -72,7 +72,7 @@ class Trace:
         self.level = self.incline = f32(0)
         self.rough = sensor.limits.noise
         self.end, self.row = End.GOING, NEVER
-        self.last = self.first_below = NEVER  # rows
+        self.last = self.first_look = NEVER  # rows
         self.below = f32(0)  # rows since floor was seen, those far below counted more
         self.deep = self.above = 0  # rows since floor was seen
         self.doubtful = False
@@ -99,6 +99,8 @@ class Trace:
             return
         if depth < limits.near:
             return
+        if self.first_look == NEVER:
+            self.first_look = row
         gap = self.started and lost_in_time and since > limits.gap and self.rough < of_trace.SOME * limits.noise
         if missing:
             self.end = End.LOST if gap else End.GOING
@@ -125,8 +127,6 @@ class Trace:
 
     def _below(self, deep: bool, strong: bool, fall: f32, height: f32, depth: f32, since: f32) -> None:
         """Something lower than floor can be: a drop, or after some rows of it, none of them deep, a step down."""
-        if not self.started and not self.below:
-            self.first_below = self.row
         self.below += of_trace.MORE if strong else f32(1)
         self.deep += deep
         settled = self.below >= of_trace.SETTLED and not self.deep
@@ -166,7 +166,7 @@ class Trace:
             seen = self.started and not self.doubtful and self.rows_since() <= of_trace.SPECKLE
             self.end = End.SIGHT if seen else End.UNSEEN
         if not self.started and self.end is End.DROP:
-            return self.end, self.first_below, self.level
+            return self.end, self.first_look, self.level
         return self.end, self.last, self.level
 
 

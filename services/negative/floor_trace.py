@@ -87,7 +87,7 @@ def floor_trace(
 ) -> tuple[Metres, Metres, Metres]:
     """What became of the floor in each column: its End, a row, and the floor's height [m] there; all (columns,).
 
-    The row is where floor was last seen or, of a drop before any floor, where it first was not; -1 = nowhere.
+    The row is where floor was last seen or, of a drop before any floor, the first that was looked at; -1 = nowhere.
     heights: (rows, columns) [m] as Points has them; order: the rows to look at, near to far; rates: what a ray loses in
     height per metre of depth, float32; camera_height [m]; limits: those of Limits, in their order.
     """
@@ -151,7 +151,6 @@ def floor_trace(
             is_above = looking & (-fall > high)
             is_floor = looking & (fall <= small) & (-fall <= high)
             was_below = bl > ONE
-            first_below = is_below & (bl == ZERO) & (not started)
             bl = bl + (MORE if fall > STRONG * small else ONE) if is_below else bl
             dp = dp + ONE if is_below & (fall > large) else dp
             ab = ab + ONE if is_above else ab
@@ -187,7 +186,7 @@ def floor_trace(
             new_level = h if step_down else lv + change
 
             level[u], incline[u], rough[u] = new_level if take else lv, inc, new_rough if smooth else ro
-            last[u] = at if take else (BEFORE - at if first_below else la)
+            last[u] = at if take else (BEFORE - at if looking & (la == GOING) else la)
             below[u], deep[u], above[u] = ZERO if take else bl, ZERO if take else dp, ZERO if take else ab
             doubtful[u] = ONE if new_doubt else doubt
             end[u] = ended_as

@@ -1,0 +1,98 @@
+"""Let robots wander through random worlds, and count what happens to them: python -m benchmarks.falls ..."""
+
+from __future__ import annotations
+
+import argparse
+import os
+from collections.abc import Sequence
+from pathlib import Path
+from typing import get_args
+
+from benchmarks.falls.cases import Case, all_cases, length
+from benchmarks.falls.measure import measure
+from benchmarks.falls.outcome import Outcome
+from benchmarks.falls.perception import Mode
+from benchmarks.falls.progress import ProgressLine
+from benchmarks.falls.records import event_record, run_record, write
+from benchmarks.falls.report import report
+from benchmarks.falls.trial import Trial
+
+OUT = Path("out/falls")
+SPEEDS = (0.2, 0.35, 0.5)  # [m/s]
+MODES: tuple[Mode, ...] = get_args(Mode)
+
+
+def arguments() -> argparse.Namespace:
+    """The options."""
+    parser = argparse.ArgumentParser(prog="python -m benchmarks.falls", description=__doc__)
+    parser.add_argument(
+        "--minutes", type=float, default=1000.0, help="to simulate in each mode, if nobody falls (1000)"
+    )
+    parser.add_argument("--worlds", type=int, default=60, help="how many, shared by the speeds (60)")
+    parser.add_argument("--speeds", type=speeds, default=SPEEDS, help="[m/s], with commas between (0.2,0.35,0.5)")
+    parser.add_argument("--modes", type=modes, default=MODES, help=f"with commas between ({','.join(MODES)})")
+    parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1, help="processes (one for each core)")
+    parser.add_argument("--seed", type=int, default=0, help="of the first world (0)")
+    parser.add_argument("--out", type=Path, default=OUT, help=f"folder of the results ({OUT})")
+    parser.add_argument("--only", type=Case.parse, metavar="MODE:SPEED:SEED", help="replay one run, and draw it")
+    return parser.parse_args()
+
+
+def speeds(text: str) -> tuple[float, ...]:
+    """The speeds [m/s] of an option. Raises ArgumentTypeError for what is none."""
+    try:
+        values = tuple(map(float, text.split(",")))
+    except ValueError as error:
+        raise argparse.ArgumentTypeError(str(error)) from None
+    if not all(0.0 < value <= 1.0 for value in values):
+        raise argparse.ArgumentTypeError("expected speeds above 0, up to 1 m/s")
+    return values
+
+
+def modes(text: str) -> tuple[str, ...]:
+    """The modes of an option. Raises ArgumentTypeError for another one."""
+    names = tuple(text.split(","))
+    if unknown := set(names) - set(MODES):
+        raise argparse.ArgumentTypeError(f"no mode: {', '.join(unknown)}")
+    return names
+
+
+def replay(case: Case, metres: float, out: Path) -> None:
+    """Print what happens in one run, and write its picture."""
+    from benchmarks.falls.pictures import draw  # needs matplotlib
+
+    trial = Trial(case)
+    outcome = trial.run(metres / case.speed)
+    print(", ".join(f"{key} {value}" for key, value in run_record(outcome).items()))
+    for event in outcome.events:
+        print(", ".join(f"{key} {value}" for key, value in event_record(outcome, event).items()))
+    picture = out / f"{case.name.replace(':', '-')}.png"
+    draw(outcome, trial.track, trial.robot.world, picture)
+    print(picture)
+
+
+def all_of(cases: Sequence[Case], metres: float, jobs: int, out: Path) -> list[Outcome]:
+    """What comes of all runs; the progress is shown, and after each run the files tell of it."""
+    progress, outcomes = ProgressLine(len(cases)), list[Outcome]()
+    for outcome in measure(cases, metres, jobs):
+        outcomes.append(outcome)
+        progress.done(outcome)
+        write(outcomes, out)
+        (out / "falls.md").write_text(report(outcomes, metres))
+    return outcomes
+
+
+def main() -> None:
+    """Measure, and write what was found."""
+    options = arguments()
+    options.out.mkdir(parents=True, exist_ok=True)
+    metres = length(options.minutes, options.worlds, options.speeds)
+    if options.only:
+        replay(options.only, metres, options.out)
+        return
+    cases = all_cases(options.modes, options.speeds, options.worlds, options.seed)
+    print(report(all_of(cases, metres, options.jobs, options.out), metres))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,47 @@
+"""The runs: who drives, how fast, and in which random world."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Sequence
+from typing import NamedTuple, Self, get_args
+
+from benchmarks.falls.perception import Mode
+
+
+class Case(NamedTuple):
+    """A run: the world `random:<seed>`, and everything random in the run, follow from the seed."""
+
+    mode: Mode
+    speed: float  # [m/s] that the driver asks for
+    seed: int
+
+    @property
+    def name(self) -> str:
+        """How --only names it."""
+        return f"{self.mode}:{self.speed:g}:{self.seed}"
+
+    @property
+    def world(self) -> str:
+        """The simulator's name of its world."""
+        return f"random:{self.seed}"
+
+    @classmethod
+    def parse(cls, text: str) -> Self:
+        """The case of that name. Raises ArgumentTypeError where it is none."""
+        mode, *numbers = text.split(":")
+        try:
+            speed, seed = numbers
+            return cls(next(known for known in get_args(Mode) if known == mode), float(speed), int(seed))
+        except (ValueError, StopIteration):
+            raise argparse.ArgumentTypeError(f"{text!r}, expected MODE:SPEED:SEED") from None
+
+
+def all_cases(modes: Sequence[Mode], speeds: Sequence[float], worlds: int, first: int) -> list[Case]:
+    """The worlds from a seed on, shared by the speeds; every mode runs in each of them before the next one."""
+    return [Case(mode, speeds[world % len(speeds)], first + world) for world in range(worlds) for mode in modes]
+
+
+def length(minutes: float, worlds: int, speeds: Sequence[float]) -> float:
+    """How far [m] a robot that is never held gets in each run, where all runs of a mode take some minutes together."""
+    return 60.0 * minutes / sum(1.0 / speeds[world % len(speeds)] for world in range(worlds))

@@ -1,0 +1,60 @@
+"""From a depth frame to the fused scan, as capture, negative, positive and fuse do it, without processes between."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Literal
+
+from common.combine import combine
+from common.depth_codec import RAW
+from common.geometry import Camera
+from common.messages import DepthImage, LaserScan
+from common.scans import laser_scan
+from services.capture.floor_tracker import FloorTracker
+from services.fuse.fusion import fuse
+from services.fuse.pairing import Pair
+from services.negative.config import NegativeConfig
+from services.negative.methods import beams_by_method
+from services.positive.__main__ import obstacles
+from services.positive.config import PositiveConfig
+from simulator.kinect import Millimetres
+
+Mode = Literal["default", "paper", "positive"]
+Perception = Callable[[Millimetres, int], LaserScan]  # of a frame (rows, columns) [mm] and its stamp [ns]
+
+FRAME = "camera_depth_optical_frame"
+PAPER = NegativeConfig(**NegativeConfig.PROFILES["paper"])
+
+
+def perception(mode: Mode, camera: Camera) -> Perception:
+    """What makes the scans of one robot, whose camera is mounted like that as far as anybody knows.
+
+    default: the tracked floor and what the services do unless told otherwise. paper: its two algorithms on the plane
+    of the mount. positive: the tracked floor and what stands on it, no edges.
+    """
+    if mode == "paper":
+        return lambda depth, stamp: _fused(_image(depth, stamp, camera), PAPER)
+    tracker = FloorTracker(camera.floor)
+
+    def tracked(depth: Millimetres, stamp: int) -> DepthImage:
+        return _image(depth, stamp, replace(camera, floor=tracker.update(depth, camera)))
+
+    if mode == "positive":
+        return lambda depth, stamp: _positive(tracked(depth, stamp))
+    return lambda depth, stamp: _fused(tracked(depth, stamp), NegativeConfig())
+
+
+def _image(depth: Millimetres, stamp: int, camera: Camera) -> DepthImage:
+    return DepthImage.pack(0, stamp, FRAME, depth, camera, RAW)
+
+
+def _positive(image: DepthImage) -> LaserScan:
+    config = PositiveConfig()
+    return laser_scan(image, obstacles(image, config), config)
+
+
+def _fused(image: DepthImage, config: NegativeConfig) -> LaserScan:
+    found = beams_by_method(image, config, config.methods)
+    negative = laser_scan(image, combine([found[method] for method in config.methods]), config)
+    return fuse(Pair(_positive(image), negative), {})

@@ -1,0 +1,1 @@
+"""Faults while the robot drives, and what becomes of it."""

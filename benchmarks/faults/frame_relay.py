@@ -1,0 +1,57 @@
+"""Stands between a simulation and capture, and hands frames on late, again and again, or not at all."""
+
+from __future__ import annotations
+
+import contextlib
+import threading
+import time
+from collections import deque
+from typing import Literal
+
+from simulator import wire
+from simulator.frame_server import FrameServer
+from simulator.wire import FrameReader, WireFrame
+
+Mode = Literal["pass", "late", "frozen", "dropped"]
+
+PATIENCE = 5.0  # [s]
+READ_SIZE = 1 << 20  # [bytes]
+
+
+class FrameRelay:
+    """Hears frames at one address and tells them at another. Raises OSError, WireError."""
+
+    def __init__(self, source: str, address: str) -> None:
+        self.delay = 0.0  # [s] of a late frame
+        self.mode: Mode = "pass"
+        self._server = FrameServer(address)
+        self._connection = wire.connect(source, PATIENCE)
+        self._connection.settimeout(None)
+        self._waiting: deque[tuple[float, bytes]] = deque()  # when it came, and the frame
+        self._last = b""
+        threading.Thread(target=self._listen, daemon=True).start()
+
+    def close(self) -> None:
+        """Hang up on both sides."""
+        self._connection.close()
+        self._server.close()
+
+    def _listen(self) -> None:
+        reader = FrameReader()
+        with contextlib.suppress(OSError):  # closed
+            while data := self._connection.recv(READ_SIZE):
+                for frame in reader.feed(data):
+                    self._hand_on(frame)
+
+    def _hand_on(self, frame: WireFrame) -> None:
+        """Treat a frame as the mode says; a frozen camera repeats its last image with the stamp that it had."""
+        if self.mode == "dropped":
+            return
+        if self.mode == "frozen":
+            self._server.offer(self._last)
+            return
+        self._waiting.append((time.monotonic(), wire.pack(*frame)))
+        delay = self.delay if self.mode == "late" else 0.0
+        while self._waiting and time.monotonic() - self._waiting[0][0] >= delay:
+            self._last = self._waiting.popleft()[1]
+            self._server.offer(self._last)

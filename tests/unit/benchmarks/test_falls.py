@@ -1,0 +1,96 @@
+"""Wandering robots: the default does not fall where one without edges does, and every run can be run again."""
+
+import math
+
+import numpy as np
+import pytest
+
+from benchmarks.falls.cases import Case, all_cases, length
+from benchmarks.falls.floor import NEAR, Floor, arc
+from benchmarks.falls.measure import outcome_of
+from benchmarks.falls.memory import Memory
+from benchmarks.falls.records import write
+from benchmarks.falls.report import report
+from benchmarks.falls.trial import Trial
+from simulator.world import Pose, World
+
+HOLE = 6  # a world in which the driver soon wants to cross a hole
+
+
+@pytest.fixture(scope="module")
+def outcomes():
+    return {mode: outcome_of(Case(mode, 0.5, HOLE), 6.0) for mode in ("default", "positive")}
+
+
+def test_default_does_not_fall_where_a_robot_without_edges_does(outcomes):
+    assert not [event.kind for event in outcomes["default"].events]
+    assert outcomes["default"].seconds == pytest.approx(12.0, abs=0.02)
+    assert [event.kind for event in outcomes["positive"].events] == ["cliff", "fall"]
+    assert outcomes["positive"].seconds < 12.0
+
+
+def test_report_and_files_tell_of_every_fall(outcomes, tmp_path):
+    lines = report(list(outcomes.values()), 6.0).splitlines()
+    assert sum(line.startswith(("| default | 0.5 | 1 |", "| positive | 0.5 | 1 |")) for line in lines) == 2
+    write(list(outcomes.values()), tmp_path)
+    assert '"case": "positive:0.5:6"' in (tmp_path / "events.json").read_text()
+    assert "default:0.5:6,random:6,12" in (tmp_path / "runs.csv").read_text()
+
+
+@pytest.mark.parametrize("mode", ["default", "paper"])
+def test_a_run_is_the_same_again(mode):
+    first, again = (Trial(Case(mode, 0.35, 3)) for _ in range(2))
+    first.run(4.0)
+    again.run(4.0)
+    assert first.track == again.track
+    assert math.hypot(first.robot.pose.x, first.robot.pose.y) > 0.1
+
+
+def test_another_seed_is_another_run():
+    one, other = (Trial(Case("positive", 0.35, seed)) for seed in (3, 4))
+    one.run(2.0)
+    other.run(2.0)
+    assert one.track != other.track
+
+
+def test_floor_ends_at_holes_and_walls():
+    world = World("random:1")
+    floor = Floor(world)
+    at = {name: world.data.geom_xpos[world.model.geom(name).id, :2] for name in ("hole_1_ground", "wall_1", "floor_0")}
+    assert not floor.free[floor.mask(np.array([at["hole_1_ground"]]))].any()
+    assert not floor.free[floor.mask(np.array([at["wall_1"]]))].any()
+    assert floor.reachable[floor.mask(np.array([at["floor_0"]]))].all()
+    assert not (floor.reachable & ~floor.free).any()
+    assert not (floor.roomy & ~floor.free).any()
+
+
+def test_share_visited_grows_with_the_track():
+    floor = Floor(World("random:1"))
+    short, long = (arc(Pose(), 0.3, 0.1, metres) for metres in (0.5, 1.5))
+    assert 0.0 < floor.visited(short) < floor.visited(long) < 1.0
+    alone = floor.visited(np.zeros((1, 2))) * floor.area
+    assert alone == pytest.approx(math.pi * NEAR**2, rel=0.1)
+
+
+def test_arc_is_the_one_that_is_driven():
+    end = arc(Pose(1.0, 2.0, math.pi / 2), 0.5, 0.5, math.pi / 2)[-1]
+    np.testing.assert_allclose(end, [0.0, 3.0], atol=0.06)
+    np.testing.assert_allclose(arc(Pose(0.0, 0.0, 0.0), -0.2, 0.0, 1.0)[-1], [-1.0, 0.0], atol=1e-9)
+
+
+def test_memory_finds_ways_round_what_was_shut():
+    memory = Memory((0.0, 0.0), (3.0, 3.0))
+    for y in np.arange(0.0, 2.5, 0.1):
+        memory.shut(1.3, y, 0.0)
+    assert not memory.straight((1.0, 1.0), (2.0, 1.0))
+    way = memory.ways((1.0, 1.0)).to(memory.square(2.0, 1.0))
+    assert max(y for _, y in way) > 2.5
+    assert way[-1] == pytest.approx((2.05, 1.05))
+
+
+def test_cases_share_the_time_and_the_worlds():
+    cases = all_cases(("default", "paper"), (0.2, 0.4), 6, 10)
+    assert [case.name for case in cases[:3]] == ["default:0.2:10", "paper:0.2:10", "default:0.4:11"]
+    metres = length(30.0, 6, (0.2, 0.4))
+    assert sum(metres / case.speed for case in cases if case.mode == "paper") == pytest.approx(1800.0)
+    assert Case.parse("paper:0.2:10") == cases[1]
