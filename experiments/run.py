@@ -12,11 +12,12 @@ import numpy as np
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
 
+from cliffscan.supervisor import ConfigRefused
 from common import config as configuration
 from common.config import C
 from common.service import StopSignal
 from experiments.cloud import Bands
-from experiments.collect import Silent, collect
+from experiments.collect import Silent, collect, tell
 from experiments.frames import Frame, name_of, scan_paths, tells_edges
 from experiments.goals import EveryFrame, FirstFrames, Goal
 from experiments.known_world import angles_of, truth_of
@@ -143,4 +144,8 @@ def telling(run: Run) -> Iterator[tuple[Progress, ServiceLog]]:
     """A progress bar, and the services' log kept away from it."""
     columns = SpinnerColumn(), TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn()
     with Progress(*columns, console=run.console) as progress, ServiceLog(run.log_file) as log:
-        yield progress, log
+        try:
+            yield progress, log
+        except ConfigRefused:  # the reason may have come after the last look at the log
+            tell(progress, log)
+            raise
