@@ -12,10 +12,11 @@ Ranges = NDArray[np.float32]
 
 
 class Beams(NamedTuple):
-    """What a scan tells, beam by beam. ranges [m]: number, +inf (looked, nothing) or NaN (not seen); evidence."""
+    """What a scan tells, beam by beam: (beams,) each."""
 
-    ranges: Ranges
-    evidence: Ranges
+    ranges: Ranges  # [m] number, +inf (looked, nothing) or NaN (not seen)
+    evidence: Ranges  # Evidence
+    clear: Ranges | None = None  # [m] up to which floor was seen throughout, where the scan tells that
 
     @classmethod
     def of(cls, ranges: Ranges, evidence: float) -> Beams:
@@ -26,7 +27,9 @@ class Beams(NamedTuple):
         """The same where numbers beyond range_max [m] are +inf: nothing was found up to there."""
         beyond = self.ranges > range_max
         return Beams(
-            np.where(beyond, np.float32(np.inf), self.ranges), np.where(beyond, np.float32(0.0), self.evidence)
+            np.where(beyond, np.float32(np.inf), self.ranges),
+            np.where(beyond, np.float32(0.0), self.evidence),
+            None if self.clear is None else np.minimum(self.clear, np.float32(range_max)),
         )
 
 
@@ -34,13 +37,24 @@ def combine(scans: Sequence[Beams]) -> Beams:
     """The nearest number of each beam, with its evidence; of equal ones the first. Paper: algorithm 3.
 
     Where there is no number, a beam is free (+inf) only if every scan looked; one that did not see makes it NaN:
-    what one method does not know, another's silence does not make free.
+    what one method does not know, another's silence does not make free. If any scan tells how far floor is seen, so
+    does the combination: as far as all of them allow.
     """
-    ranges, evidence = scans[0]
+    ranges, evidence, _ = scans[0]
     unseen = np.isnan(ranges)
     for scan in scans[1:]:
         nearer = (scan.ranges < ranges) | (np.isnan(ranges) & ~np.isnan(scan.ranges))
         ranges, evidence = np.where(nearer, scan.ranges, ranges), np.where(nearer, scan.evidence, evidence)
         unseen |= np.isnan(scan.ranges)
     unseen &= ~np.isfinite(ranges)
-    return Beams(np.where(unseen, np.float32(np.nan), ranges), np.where(unseen, np.float32(0.0), evidence))
+    ranges, evidence = np.where(unseen, np.float32(np.nan), ranges), np.where(unseen, np.float32(0.0), evidence)
+    return Beams(ranges, evidence, _clear(scans))
+
+
+def _clear(scans: Sequence[Beams]) -> Ranges | None:
+    """As far as every scan allows [m]: what it says, or one that says nothing, up to its number; NaN allows nothing."""
+    if all(scan.clear is None for scan in scans):
+        return None
+    allowed = [np.fmax(scan.ranges, np.float32(0.0)) if scan.clear is None else scan.clear for scan in scans]
+    clear: Ranges = np.minimum.reduce(allowed)
+    return clear

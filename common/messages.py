@@ -21,6 +21,7 @@ Vector4 = Annotated[tuple[float, float, float, float], ListAsTuple]
 State = Literal["starting", "working", "waiting"]  # waiting: for a device
 
 TURN = 2 * math.pi
+NOT_TOLD = np.empty(0, np.float32)
 ANGLE_SLACK = 1.5  # increments: drivers of full-circle scanners disagree whether angle_max is a beam
 
 
@@ -93,18 +94,21 @@ class LaserScan(Message):
     range_max: Annotated[float, Field(gt=0)]  # [m]
     ranges: Float32s  # [m]
     intensities: Float32s  # Evidence, one a beam, or none at all
+    clear: Float32s = NOT_TOLD  # [m] up to which floor was seen throughout, one a beam, or none at all
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
         beams = len(self.ranges)
         if not beams:
             raise ValueError("ranges: no beams")
-        if len(self.intensities) not in (0, beams):
-            raise ValueError(f"intensities: {len(self.intensities)} values for {beams} beams")
-        if (self.ranges < 0).any():
-            raise ValueError("ranges: negative")
-        if not np.isfinite(self.intensities).all():
-            raise ValueError("intensities: not finite")
+        for name, values in (("intensities", self.intensities), ("clear", self.clear)):
+            if len(values) not in (0, beams):
+                raise ValueError(f"{name}: {len(values)} values for {beams} beams")
+            if not np.isfinite(values).all():
+                raise ValueError(f"{name}: not finite")
+        for name, metres in (("ranges", self.ranges), ("clear", self.clear)):
+            if (metres < 0).any():
+                raise ValueError(f"{name}: negative")
         last = self.angle_min + (beams - 1) * self.angle_increment
         if not last - self.angle_min <= TURN + self.angle_increment:
             raise ValueError(f"angle_increment: {self.angle_increment} is more than a turn for {beams} beams")
@@ -117,6 +121,14 @@ class LaserScan(Message):
     def grid(self) -> Grid:
         """The beams' azimuths."""
         return Grid(len(self.ranges), self.angle_min, self.angle_increment)
+
+    def free(self) -> NDArray[np.float64]:
+        """How far [m] each beam shows floor to drive on: (beams,).
+
+        A scan that does not tell in `clear` is taken at its word: up to its number, +inf up to range_max, NaN nowhere.
+        """
+        clear = self.clear if len(self.clear) else np.fmax(self.ranges, 0.0)
+        return np.fmin(np.fmin(clear, self.ranges), self.range_max).astype(np.float64)
 
 
 class ServiceStatus(Message):

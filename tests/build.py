@@ -59,6 +59,7 @@ def scan_fields(**changes) -> dict:
         "range_max": 4.5,
         "ranges": np.array([1.0, math.inf, math.nan], "<f4").tobytes(),
         "intensities": np.array([2.0, 0.0, 0.0], "<f4").tobytes(),
+        "clear": np.array([0.9, 3.5, 0.7], "<f4").tobytes(),
     }
     return _changed(fields, changes)
 
@@ -89,7 +90,7 @@ def payload(fields: dict) -> bytes:
     return msgpack.packb(fields)
 
 
-def scan(ranges, intensities=(), angle_min=-0.5, increment=None, range_max=10.0, **changes) -> LaserScan:
+def scan(ranges, intensities=(), clear=(), angle_min=-0.5, increment=None, range_max=10.0, **changes) -> LaserScan:
     """A scan with these ranges; by default its beams end at +0.5 rad."""
     step = increment or (-2 * angle_min / (len(ranges) - 1) if len(ranges) > 1 else 1.0)
     fields = scan_fields(
@@ -99,6 +100,7 @@ def scan(ranges, intensities=(), angle_min=-0.5, increment=None, range_max=10.0,
         range_max=range_max,
         ranges=np.array(ranges, "<f4").tobytes(),
         intensities=np.array(intensities, "<f4").tobytes(),
+        clear=np.array(clear, "<f4").tobytes(),
         **changes,
     )
     return LaserScan.decode(payload(fields))

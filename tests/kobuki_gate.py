@@ -15,6 +15,11 @@ HERE = Pose(0.0, 0.0, 0.0)
 TICK = 0.02  # [s]
 
 
+def taken_at_its_word(ranges, range_max):
+    """How far each beam of a scan shows floor that tells nothing of it but its ranges."""
+    return np.fmin(np.fmax(ranges, 0.0), range_max)
+
+
 class Drive:
     """A gate, and a clock that goes on."""
 
@@ -27,7 +32,7 @@ class Drive:
         if scan:
             ranges = np.broadcast_to(np.asarray(self.ranges, float), ANGLES.shape).copy()
             taken = self.now if taken is None else taken
-            self.safety.see(Scan(ranges, ANGLES, 4.0), self.pose, taken, self.now)
+            self.safety.see(Scan(ranges, taken_at_its_word(ranges, 4.0), ANGLES), self.pose, taken, self.now)
         self.safety.sense(decode(core(**self.sensors)).core, self.pose)
         if command:
             self.safety.command(Twist(linear, angular), self.now)

@@ -23,6 +23,12 @@ def charge_into_the_dark():
         trial([(0.0, far)], dark=True).drive(0.7, 0.0, 200)
 
 
+def charge_across_the_dark():
+    """Towards something that stands behind a hole no beam shows."""
+    for far in (0.8, 1.6):
+        trial([(0.0, far)], [(0.0, far + 0.6, 1.5)], dark=True).drive(0.7, 0.0, 200)
+
+
 def pass_a_post():
     """It comes into the blind zone, where beams pass it, and out of memory's sight for a while."""
     for aside in (-0.1, 0.0, 0.1):

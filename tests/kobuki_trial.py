@@ -8,9 +8,9 @@ import numpy as np
 from services.kobuki.config import KobukiConfig
 from services.kobuki.ground import MEMORY, Pose
 from services.kobuki.packets import decode
-from services.kobuki.safety import REST, Safety, Scan, Twist
+from services.kobuki.safety import REST, Safety, Twist
 from tests.kobuki_stream import core
-from tests.kobuki_world import ANGLES, RADIUS, RANGE_MAX, SUBSTEPS, TICK, Wheels, World
+from tests.kobuki_world import ANGLES, RADIUS, SUBSTEPS, TICK, Wheels, World
 
 CAMERA = KobukiConfig().camera()
 FRESH = 0.3 + 1e-9  # [s]
@@ -106,17 +106,17 @@ class Trial:
 
     def _scan(self, take, frozen):
         if take:
-            ranges = self.world.ranges(self.pose.then(CAMERA), self.dark)
-            ranges[self.hidden] = np.nan
-            self.scans.append((self.now, self.pose, ranges))
+            scan = self.world.scan(self.pose.then(CAMERA), self.dark)
+            scan.ranges[self.hidden], scan.free[self.hidden] = np.nan, 0.0
+            self.scans.append((self.now, self.pose, scan))
         if frozen and self.frozen:
             self.safety.see(*self.frozen, self.now)
         while self.scans and self.scans[0][0] + self.late <= self.now:
-            self.taken, pose, ranges = self.scans.popleft()
-            self.frozen = Scan(ranges, ANGLES, RANGE_MAX), pose, self.taken
+            self.taken, pose, scan = self.scans.popleft()
+            self.frozen = scan, pose, self.taken
             self.safety.see(*self.frozen, self.now)
             if not self.sensors.keys() & BOTH.keys():
-                self._remember(pose.then(CAMERA), ranges)
+                self._remember(pose.then(CAMERA), scan.ranges)
 
     def _remember(self, camera, ranges):
         hit = np.flatnonzero(ranges < 2.5)[::2]

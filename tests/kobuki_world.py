@@ -6,7 +6,7 @@ from collections import deque
 import numpy as np
 
 from services.kobuki.ground import Pose
-from services.kobuki.safety import REST
+from services.kobuki.safety import REST, Scan
 
 TICK = 0.02  # [s]
 SUBSTEPS = 4
@@ -33,22 +33,23 @@ class World:
             for way, far, size in posts
         ]
 
-    def ranges(self, camera, dark=False):
-        """What each beam shows, inf for nothing; where it is dark in the voids, nan for the floor that is missing."""
+    def scan(self, camera, dark=False):
+        """What each beam shows, where it is dark in the voids only what stands behind; and how far it shows floor."""
         dx, dy = np.cos(camera.theta + ANGLES), np.sin(camera.theta + ANGLES)
         ranges = np.full(len(ANGLES), np.inf)
         with np.errstate(divide="ignore", invalid="ignore"):
             for nx, ny, distance in self.voids:
                 room, closing = distance - (nx * camera.x + ny * camera.y), nx * dx + ny * dy
                 ranges = np.minimum(ranges, np.where(closing > 1e-9, np.maximum(room / closing, BLIND), np.inf))
+            free = np.minimum(ranges, RANGE_MAX)
             if dark:
                 ranges[ranges < RANGE_MAX] = np.nan
             for x, y, size in self.posts:
                 along = dx * (x - camera.x) + dy * (y - camera.y)
                 aside = dx * (y - camera.y) - dy * (x - camera.x)
                 begins = along - np.sqrt(size**2 - aside**2)
-                ranges = np.where(begins >= BLIND, np.minimum(ranges, begins), ranges)
-        return np.where(ranges > RANGE_MAX, np.inf, ranges)
+                ranges = np.where(begins >= BLIND, np.fmin(ranges, begins), ranges)
+        return Scan(np.where(ranges > RANGE_MAX, np.inf, ranges), np.fmin(free, ranges), ANGLES)
 
     def depth_in_void(self, pose):
         """How far [m] the disc reaches into a void; negative for not at all."""

@@ -132,25 +132,26 @@ def combine(array_a: np.ndarray, array_b: np.ndarray) -> np.ndarray:
 
 def near_edge(
     points: Points, grid: Grid, limits: Limits, floor_lost: str, baseline: float
-) -> tuple[np.ndarray, np.ndarray]:
-    """Ours: each column is followed over the floor, to where it ends. The beams' ranges and evidence."""
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Ours: each column is followed over the floor, to where it ends. The beams' ranges, evidence and clear."""
     view, height = points.view, np.float32(points.view.camera.floor.d)
     rates, order = view.up.single(-1.0), rows_outward(view, limits)
     columns = range(view.shape[1])
     if not order:
-        return np.full(grid.beams, math.nan), np.zeros(grid.beams)
+        return np.full(grid.beams, math.nan), np.zeros(grid.beams), np.zeros(grid.beams)
     traced = [naive_trace.floor_trace(points.heights, order, rates, height, limits, column) for column in columns]
-    ends, rows, levels = (list(each) for each in zip(*traced, strict=True))
+    ends, rows, sure, levels = (list(each) for each in zip(*traced, strict=True))
     outward = 1 if order[-1] > order[0] else -1
     disparity = baseline * view.camera.intrinsics.fx
     for u in columns:
         lost = ends[u] == End.LOST and not view.transposed
         if lost and naive_trace.shadowed(points.heights, rates, height, u, rows[u], outward, disparity):
             ends[u] = End.HIDDEN
-    levels = [averaged(ends, rows, levels, u) for u in columns]
-    places = [place(view, u, max(rows[u], 0), levels[u]) for u in columns]
+    averages = [averaged(ends, rows, levels, u) for u in columns]
+    places = [place(view, u, max(rows[u], 0), averages[u]) for u in columns]
+    clear = [surely(view, u, rows[u], sure[u], averages[u], levels[u]) for u in columns]
     doubt(ends, places, floor_lost)
-    return of_beams(ends, places, grid)
+    return of_beams(ends, places, clear, grid)
 
 
 def rows_outward(view: View, limits: Limits) -> list[int]:
@@ -192,6 +193,13 @@ def place(view: View, u: int, row: int, level: float) -> tuple[float, float, flo
     return math.atan2(left, forward), math.hypot(forward, left) * depth, width
 
 
+def surely(view: View, u: int, row: int, sure: int, average: float, level: float) -> float:
+    """How far a column shows floor throughout: to where it was last seen, or to where it was last sure."""
+    if sure < 0:
+        return 0.0
+    return place(view, u, sure, average if sure == row else level)[1]
+
+
 def doubt(ends: list[End], places: list[tuple[float, float, float]], floor_lost: str) -> None:
     """Take back what too few columns side by side saw, unless at the border, and lost floor that is not to count."""
     first, count = 0, len(ends)
@@ -210,7 +218,9 @@ def doubt(ends: list[End], places: list[tuple[float, float, float]], floor_lost:
         first = stop + 1
 
 
-def of_beams(ends: list[End], places: list[tuple[float, float, float]], grid: Grid) -> tuple[np.ndarray, np.ndarray]:
+def of_beams(
+    ends: list[End], places: list[tuple[float, float, float]], clear: list[float], grid: Grid
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Each beam tells the worst of the columns it listens to: the nearest number, or not seen, or free."""
     half = grid.increment / 2
     told = []
@@ -219,9 +229,10 @@ def of_beams(ends: list[End], places: list[tuple[float, float, float]], grid: Gr
         heard = heard or [u for u in range(len(places)) if is_nearest(places, u, angle)]
         numbers = [(places[u][1], 2.0 if ends[u] == End.DROP else 3.0) for u in heard if numbered(ends[u])]
         free = heard and all(ends[u] == End.SIGHT for u in heard) and not between_closed(ends, places, angle)
-        told.append(min(numbers, key=lambda number: number[0]) if numbers else (math.inf if free else math.nan, 0.0))
-    ranges, evidence = zip(*told, strict=True)
-    return np.array(ranges), np.array(evidence)
+        nearest = min(numbers, key=lambda number: number[0]) if numbers else (math.inf if free else math.nan, 0.0)
+        told.append((*nearest, min((clear[u] for u in heard), default=0.0)))
+    ranges, evidence, free_up_to = zip(*told, strict=True)
+    return np.array(ranges), np.array(evidence), np.array(free_up_to)
 
 
 def between_closed(ends: list[End], places: list[tuple[float, float, float]], angle: float) -> bool:

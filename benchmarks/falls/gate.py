@@ -41,8 +41,7 @@ class Gate:
         """A scan came, that was taken at its stamp."""
         pose = self._history.at(scan.stamp)
         if pose is not None:
-            seen = Scan(scan.ranges.astype(float), scan.grid().angles(), scan.range_max)
-            self._safety.see(seen, pose, scan.stamp / SECOND, now)
+            self._safety.see(Scan.of(scan), pose, scan.stamp / SECOND, now)
 
     def _packet(self, feedback: Feedback, now: float) -> bytes:
         self._handshake.hear(feedback)

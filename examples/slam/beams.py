@@ -24,11 +24,12 @@ def beams(scan: Scan, reach: float) -> Beams:
 
     A number is free ground up to an obstacle, or to an edge: a map shows a staircase as it shows a wall. A number
     without evidence is free ground only; what lies beyond `reach` is free up to there, and so is +inf. NaN was not
-    seen: it says nothing, nor does a number outside the scan's own limits.
+    seen: it says nothing, nor does a number outside the scan's own limits. A scan that tells how far it saw floor is
+    believed: before what stands behind a hole there is none.
     """
     ranges = scan.ranges.astype(np.float64)
     number = (ranges >= scan.range_min) & (ranges <= scan.range_max)
     evident = scan.evidence > 0 if len(scan.evidence) else True
     farthest = min(reach, scan.range_max)
-    free = np.where(number, np.minimum(ranges, farthest), np.where(np.isposinf(ranges), farthest, 0.0))
-    return Beams(scan.angles, free, number & (ranges <= farthest) & evident)
+    free = np.fmin(scan.clear, ranges) if len(scan.clear) else np.where(number | np.isposinf(ranges), ranges, 0.0)
+    return Beams(scan.angles, np.clip(free, 0.0, farthest), number & (ranges <= farthest) & evident)

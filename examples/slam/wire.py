@@ -13,6 +13,7 @@ from examples.slam.pose import Pose
 
 FLOAT32, INT8 = np.dtype("<f4"), np.dtype("<i1")
 Floats = NDArray[np.float32]
+NOT_TOLD = np.empty(0, np.float32)
 
 
 class WireError(ValueError):
@@ -30,6 +31,7 @@ class Scan:
     range_max: float  # [m]
     ranges: Floats  # (beams,) [m]: a number, +inf (looked, nothing there) or NaN (not seen)
     evidence: Floats  # (beams,): 0 nothing, 1 obstacle, 2 drop, ...; or (0,) where the scan has none
+    clear: Floats  # (beams,) [m] up to which floor was seen; or (0,)
 
     @property
     def angles(self) -> NDArray[np.float64]:
@@ -66,9 +68,11 @@ def read_scan(payload: bytes) -> Scan:
         range_max=_number(fields, "range_max"),
         ranges=_floats(fields, "ranges"),
         evidence=_floats(fields, "intensities"),
+        clear=_floats(fields, "clear") if "clear" in fields else NOT_TOLD,
     )
-    if not len(scan.ranges) or len(scan.evidence) not in (0, len(scan.ranges)):
-        raise WireError(f"{len(scan.ranges)} ranges with {len(scan.evidence)} intensities")
+    beams = len(scan.ranges)
+    if not beams or len(scan.evidence) not in (0, beams) or len(scan.clear) not in (0, beams):
+        raise WireError(f"{beams} ranges with {len(scan.evidence)} intensities, {len(scan.clear)} clear")
     return scan
 
 

@@ -10,7 +10,7 @@ import numpy as np
 from common.combine import Beams, Ranges, combine
 from common.evidence import Evidence
 from common.grid import Grid
-from common.messages import LaserScan
+from common.messages import NOT_TOLD, LaserScan
 from services.fuse.config import ExtraInput
 from services.fuse.pairing import Pair
 from services.fuse.resample import resample
@@ -33,22 +33,22 @@ def fuse(pair: Pair, extras: Mapping[str, tuple[ExtraInput, LaserScan]]) -> Lase
     range_max = min(positive.range_max, negative.range_max)
     inputs = [_beams(positive, Evidence.POSITIVE), _beams(negative, Evidence.DROP)]
     inputs += [Beams.of(_resampled(source, scan, grid), Evidence.EXTRA) for source, scan in extras.values()]
-    ranges, evidence = combine([each.within(range_max) for each in inputs])
+    fused = combine([each.within(range_max) for each in inputs])
     return positive.model_copy(
         update={
             "range_min": min(positive.range_min, negative.range_min),
             "range_max": range_max,
-            "ranges": ranges,
-            "intensities": evidence,
+            "ranges": fused.ranges,
+            "intensities": fused.evidence,
+            "clear": NOT_TOLD if fused.clear is None else fused.clear,
         }
     )
 
 
 def _beams(scan: LaserScan, otherwise: Evidence) -> Beams:
     """The beams of a scan; one that came without evidence is taken for what its key says."""
-    if not len(scan.intensities):
-        return Beams.of(scan.ranges, otherwise)
-    return Beams(scan.ranges, scan.intensities)
+    evidence = scan.intensities if len(scan.intensities) else Beams.of(scan.ranges, otherwise).evidence
+    return Beams(scan.ranges, evidence, scan.clear if len(scan.clear) else None)
 
 
 def _resampled(source: ExtraInput, scan: LaserScan, grid: Grid) -> Ranges:

@@ -182,8 +182,7 @@ class Bridge:
             self._service.tally.complain("scan_unplaced", f"stamp {scan.stamp}: not known where the robot was then")
             return
         taken = now - (time.time_ns() - scan.stamp) * 1e-9
-        angles = scan.grid().angles()
-        self._safety.see(Scan(scan.ranges.astype(float), angles, scan.range_max), pose, taken, now)
+        self._safety.see(Scan.of(scan), pose, taken, now)
 
     # ---- what goes
 

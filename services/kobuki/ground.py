@@ -86,16 +86,16 @@ class Ground:
         cells = self._state[near]
         cells[covered & (cells == UNKNOWN)] = FREE
 
-    def see(self, ranges: Floats, angles: Floats, range_max: float, pose: Pose, blind: float) -> None:
-        """Take in a scan made at `pose`: ranges (beams,) [m] as REP-117 has them, at evenly spaced angles [rad].
+    def see(self, ranges: Floats, free: Floats, angles: Floats, pose: Pose, blind: float) -> None:
+        """Take in a scan made at `pose`: (beams,) each, at evenly spaced angles [rad].
 
-        A cell is free when every beam that crosses it goes on beyond it. Nearer than `blind` [m] the camera sees
+        ranges [m]: numbers are where something is in the way; free [m]: how far a beam shows floor. A cell is free when
+        every beam that crosses it shows floor beyond it. Nearer than `blind` [m] the camera sees
         no floor: there an occupied cell stays what it is, and one not known becomes free only together with the
         floor behind it, for a hole that begins unseen is first reported at `blind`.
         """
         if len(angles) > 1:
-            beyond = np.where(np.isnan(ranges), 0.0, np.minimum(ranges, range_max))
-            self._free(beyond, angles, pose, blind)
+            self._free(free, angles, pose, blind)
         near = np.flatnonzero(np.isfinite(ranges) & (ranges <= 2.0 * MEMORY))
         if near.size:
             hits, ways = ranges[near], angles[near]
@@ -126,8 +126,8 @@ class Ground:
         x, y = self._seen_from(pose, window)
         return np.stack([x.ravel()[there], y.ravel()[there]])
 
-    def _free(self, beyond: Floats, angles: Floats, pose: Pose, blind: float) -> None:
-        """Free what beams that go `beyond` [m] cross; what is free already need not be looked at."""
+    def _free(self, free: Floats, angles: Floats, pose: Pose, blind: float) -> None:
+        """Free what beams cross that show floor up to `free` [m]; what is free already need not be looked at."""
         side = min(max(-angles[0], angles[-1]), WIDEST)
         ahead, around = sector(LOOK, side)
         middle = pose.then(Pose(ahead, 0.0, 0.0))
@@ -138,9 +138,9 @@ class Ground:
         if rows.size:
             x, y, state = x[rows, columns], y[rows, columns], cells[rows, columns]
             distances = np.hypot(x, y)
-            least = seen_past(distances, np.arctan2(y, x), HALF_CELL, beyond, angles)
-            free = _shown_free(state, distances, least, blind) & (distances <= LOOK + CELL)
-            cells[rows[free], columns[free]] = FREE
+            least = seen_past(distances, np.arctan2(y, x), HALF_CELL, free, angles)
+            shown = _shown_free(state, distances, least, blind) & (distances <= LOOK + CELL)
+            cells[rows[shown], columns[shown]] = FREE
 
     def _places(self, points: Floats) -> tuple[NDArray[np.int64], ...]:
         """Where the cells of those points (2, n) [m] are kept that lie inside the square."""

@@ -9,7 +9,10 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
+import numpy as np
+
 from common.base_messages import Rule
+from common.messages import LaserScan
 from services.kobuki.config import KobukiConfig
 from services.kobuki.foresight import Foresight, Limit
 from services.kobuki.ground import Floats, Ground, Pose
@@ -47,11 +50,16 @@ class Decision(NamedTuple):
 
 
 class Scan(NamedTuple):
-    """A fused scan: ranges (beams,) [m] as REP-117 has them at evenly spaced angles [rad]."""
+    """A fused scan: (beams,) each."""
 
-    ranges: Floats
-    angles: Floats
-    range_max: float
+    ranges: Floats  # [m] as REP-117 has them
+    free: Floats  # [m] how far floor was seen
+    angles: Floats  # [rad] evenly spaced
+
+    @classmethod
+    def of(cls, scan: LaserScan) -> Scan:
+        """What a message tells."""
+        return cls(scan.ranges.astype(np.float64), scan.free(), scan.grid().angles())
 
 
 class Safety:
@@ -108,7 +116,7 @@ class Safety:
             return
         self._scan_taken, self._scan_came = taken, now
         camera = pose.then(self._config.camera())
-        self._ground.see(scan.ranges, scan.angles, scan.range_max, camera, self._config.blind)
+        self._ground.see(*scan, camera, self._config.blind)
 
     def sense(self, core: Core, pose: Pose) -> None:
         """A packet of the base came, and the robot is at `pose` now."""

@@ -11,13 +11,13 @@ Floats = NDArray[np.float64]
 Cells = NDArray[np.int64]
 
 
-def seen_past(distances: Floats, azimuths: Floats, half: float, ranges: Floats, angles: Floats) -> Floats:
-    """How far [m] each cell's nearest crossing beam goes; 0 where a beam that could cross it is missing.
+def seen_past(distances: Floats, azimuths: Floats, half: float, free: Floats, angles: Floats) -> Floats:
+    """How far [m] all beams that cross a cell show floor; 0 where a beam that could cross it is missing.
 
     distances (n,) [m] and azimuths (n,) [rad] of the cells' middles from the scanner; half [m], from a middle to a
-    corner. ranges (beams,) [m], 0 for a beam that saw nothing at all, at evenly spaced angles [rad].
+    corner. free (beams,) [m] is how far each beam shows floor, at evenly spaced angles [rad].
     """
-    return _least_between(ranges, *_crossing(distances, azimuths, half, angles))
+    return _least_between(free, *_crossing(distances, azimuths, half, angles))
 
 
 def _crossing(distances: Floats, azimuths: Floats, half: float, angles: Floats) -> tuple[Cells, Cells]:

@@ -11,14 +11,16 @@ from common.geometry import Floats
 from common.grid import Grid
 
 
-def beams_of_columns(azimuths: Floats, widths: Floats, ranges: Floats, evidence: Floats, grid: Grid) -> Beams:
-    """What the beams tell, of columns (columns,) that found ranges [m] at azimuths [rad], each on some evidence.
+def beams_of_columns(
+    azimuths: Floats, widths: Floats, ranges: Floats, evidence: Floats, clear: Floats, grid: Grid
+) -> Beams:
+    """What the beams tell, of columns (columns,) that found ranges [m] at azimuths [rad], and floor up to clear [m].
 
     A beam listens to the columns whose middle it covers or that are less than their own width [rad] away; where there
     are none, to the nearest of the two that it lies between. It tells what is worst: the nearest number, or NaN, or
     +inf; what one of them does not know the other does not make free, nor is a beam between two that are not.
     """
-    return Beams(*_tell(azimuths, widths, ranges, evidence, grid.beams, grid.angle_min, grid.increment))
+    return Beams(*_tell(azimuths, widths, ranges, evidence, clear, grid.beams, grid.angle_min, grid.increment))
 
 
 @njit(cache=True)
@@ -27,11 +29,13 @@ def _tell(
     widths: Floats,
     ranges: Floats,
     evidence: Floats,
+    clear: Floats,
     beams: int,
     angle_min: float,
     increment: float,
-) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+) -> tuple[NDArray[np.float32], NDArray[np.float32], NDArray[np.float32]]:
     told, why = np.full(beams, np.float32(np.nan)), np.zeros(beams, np.float32)
+    free = np.zeros(beams, np.float32)
     heard = np.zeros(beams, np.int64)  # in which round
     for turn in (1, 2):
         for column in range(len(azimuths)):
@@ -54,6 +58,7 @@ def _tell(
                     worse = np.isnan(value) and np.isinf(told[beam])
                 if worse:
                     told[beam], why[beam] = value, evidence[column]
+                free[beam] = min(free[beam], clear[column]) if heard[beam] else clear[column]
                 heard[beam] = turn
     for column in range(len(azimuths) - 1):
         if not np.isinf(ranges[column]) and not np.isinf(ranges[column + 1]):
@@ -64,4 +69,4 @@ def _tell(
             )
             for beam in range(max(int(first), 0), min(int(last), beams - 1) + 1):
                 told[beam] = np.nan if np.isinf(told[beam]) else told[beam]
-    return told, why
+    return told, why, free

@@ -19,30 +19,45 @@ NARROWEST = 0.03  # [m] what fewer columns side by side saw is noise
 
 @njit(cache=True, error_model="numpy")
 def places(
-    end: Metres, row: Metres, level: Metres, forward: Affine, left: Affine, up: Affine, camera_height: float
-) -> tuple[Floats, Floats, Floats]:
-    """Azimuth and width [rad] of each column at its row, and range [m] where that ray meets the floor: (columns,) each.
+    end: Metres,
+    row: Metres,
+    sure: Metres,
+    level: Metres,
+    forward: Affine,
+    left: Affine,
+    up: Affine,
+    camera_height: float,
+) -> tuple[Floats, Floats, Floats, Floats]:
+    """Azimuth and width [rad] of each column, range [m] where its floor ends and up to which it is sure.
 
-    end, row, level: as floor_trace has them; forward, left, up: of the view.
+    (columns,) each. Azimuth and width are those at its row; 0 is sure where there is no such row.
+    end, row, sure, level: as floor_trace has them; forward, left, up: of the view.
     """
     columns = len(end)
-    azimuths, widths, ranges = np.empty(columns), np.empty(columns), np.empty(columns)
+    azimuths, widths, ranges, clear = np.empty(columns), np.empty(columns), np.empty(columns), np.zeros(columns)
     more_ahead = forward.columns[1] - forward.columns[0]
     more_aside = left.columns[1] - left.columns[0]
     for u in range(columns):
-        total, many = 0.0, 0
-        for other in range(max(u - SIDE, 0), min(u + SIDE + 1, columns)):
-            alike = (end[other] == DROP or end[other] == LOST) and row[other] >= 0
-            total += level[other] if alike else 0.0
-            many += alike
-        mean = total / many if many else level[u]
-        height = mean if abs(mean - level[u]) < AGREE else level[u]
+        height = float(level[u])
+        if (end[u] == DROP or end[u] == LOST) and row[u] >= 0:
+            total, many = 0.0, 0
+            for other in range(max(u - SIDE, 0), min(u + SIDE + 1, columns)):
+                alike = (end[other] == DROP or end[other] == LOST) and row[other] >= 0
+                total += level[other] if alike else 0.0
+                many += alike
+            height = total / many if abs(total / many - level[u]) < AGREE else height
         v = max(int(row[u]), 0)
         ahead, aside = forward.columns[u] + forward.rows[v], left.columns[u] + left.rows[v]
         azimuths[u] = math.atan2(aside, ahead)
         widths[u] = abs(more_aside * ahead - more_ahead * aside) / (ahead * ahead + aside * aside)
         ranges[u] = math.hypot(ahead, aside) * (height - camera_height) / (up.columns[u] + up.rows[v])
-    return azimuths, widths, ranges
+        if sure[u] >= 0 and sure[u] == row[u]:
+            clear[u] = ranges[u]
+        elif sure[u] >= 0:
+            v = int(sure[u])
+            ahead, aside = forward.columns[u] + forward.rows[v], left.columns[u] + left.rows[v]
+            clear[u] = math.hypot(ahead, aside) * (level[u] - camera_height) / (up.columns[u] + up.rows[v])
+    return azimuths, widths, ranges, clear
 
 
 @njit(cache=True)

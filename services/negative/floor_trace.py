@@ -84,10 +84,11 @@ def floor_trace(
     rates: Affine,
     camera_height: np.float32,
     limits: Metres,
-) -> tuple[Metres, Metres, Metres]:
-    """What became of the floor in each column: its End, a row, and the floor's height [m] there; all (columns,).
+) -> tuple[Metres, Metres, Metres, Metres]:
+    """What became of the floor in each column: its End, two rows, and the floor's height [m] there; all (columns,).
 
-    The row is where floor was last seen or, of a drop before any floor, the first that was looked at; -1 = nowhere.
+    The first row is where floor was last seen or, of a drop before any floor, the first that was looked at; the second
+    is up to where floor was seen without a gap or a doubt; -1 = nowhere.
     heights: (rows, columns) [m] as Points has them; order: the rows to look at, near to far; rates: what a ray loses in
     height per metre of depth, float32; camera_height [m]; limits: those of Limits, in their order.
     """
@@ -96,7 +97,8 @@ def floor_trace(
     columns = heights.shape[1]
     filled, level = np.empty(columns, np.float32), np.empty(columns, np.float32)
     incline, rough = np.empty(columns, np.float32), np.empty(columns, np.float32)
-    end, last, doubtful = np.empty(columns, np.float32), np.empty(columns, np.float32), np.empty(columns, np.float32)
+    end, last, sure = np.empty(columns, np.float32), np.empty(columns, np.float32), np.empty(columns, np.float32)
+    doubtful = np.empty(columns, np.float32)  # 0, or the row where floor was last sure, less BEFORE
     below, deep, above = np.empty(columns, np.float32), np.empty(columns, np.float32), np.empty(columns, np.float32)
     for u in range(columns):
         level[u], incline[u], rough[u] = ZERO, ZERO, noise
@@ -188,7 +190,8 @@ def floor_trace(
             level[u], incline[u], rough[u] = new_level if take else lv, inc, new_rough if smooth else ro
             last[u] = at if take else (BEFORE - at if looking & (la == GOING) else la)
             below[u], deep[u], above[u] = ZERO if take else bl, ZERO if take else dp, ZERO if take else ab
-            doubtful[u] = ONE if new_doubt else doubt
+            before = la if started else GOING
+            doubtful[u] = before - BEFORE if new_doubt & (doubt == ZERO) else doubt
             end[u] = ended_as
         going = 0
         for u in range(columns):
@@ -199,6 +202,7 @@ def floor_trace(
         if end[u] < ZERO:
             seen = last[u] >= ZERO and doubtful[u] == ZERO and (last[u] - at) * outward <= SPECKLE
             end[u] = SIGHT if seen else UNSEEN
+        sure[u] = max(last[u], GOING) if doubtful[u] == ZERO else doubtful[u] + BEFORE
         if last[u] <= BEFORE:
             last[u] = BEFORE - last[u] if end[u] == DROP else GOING
-    return end, last, level
+    return end, last, sure, level

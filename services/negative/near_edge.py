@@ -28,7 +28,7 @@ APART = 0.01  # [m] of floor between two rows that are looked at, where the imag
 
 
 def near_edge(points: Points, grid: Grid, limits: Limits, floor_lost: FloorLost, baseline: float) -> Beams:
-    """Range [m] of the last floor before a drop in each beam, and on what it rests: (beams,) each.
+    """Range [m] of the last floor before a drop in each beam, on what it rests, how far floor is clear: (beams,) each.
 
     +inf where floor was seen as far as the sensor sees it; NaN where it was not: behind an obstacle, in its shadow,
     beyond a gap. An edge can be told no better than the spacing of the rows on the floor, z²/(f·h).
@@ -40,8 +40,9 @@ def near_edge(points: Points, grid: Grid, limits: Limits, floor_lost: FloorLost,
     height = np.float32(view.camera.floor.d)
     order = rows_outward(view, limits)
     if not len(order):
-        return Beams.of(np.full(grid.beams, np.nan, np.float32), Evidence.NOTHING)
-    end, row, level = floor_trace(points.heights, order, rates, height, np.array(limits, np.float32))
+        nothing = np.zeros(grid.beams, np.float32)
+        return Beams(np.full(grid.beams, np.nan, np.float32), nothing, nothing)
+    end, row, sure, level = floor_trace(points.heights, order, rates, height, np.array(limits, np.float32))
     if not view.transposed:  # a camera on its side has its eyes one above the other
         lost = np.flatnonzero(end == End.LOST)
         outward = 1 if view.up.rows[1] > view.up.rows[0] else -1
@@ -49,11 +50,13 @@ def near_edge(points: Points, grid: Grid, limits: Limits, floor_lost: FloorLost,
         rows = row[lost].astype(np.int64)
         hidden = shadowed(points.heights, rates, height, lost, rows, outward, disparity, limits.near)
         end[lost[hidden]] = End.HIDDEN
-    azimuths, widths, ranges = places(end, row, level, view.forward, view.left, view.up, view.camera.floor.d)
+    azimuths, widths, ranges, clear = places(
+        end, row, sure, level, view.forward, view.left, view.up, view.camera.floor.d
+    )
     take_back(end, ranges, widths, floor_lost == "counts", floor_lost != "ignored")
     meaning = end.astype(np.int8)
     ranges = np.where(TELLS[meaning] > 0.0, ranges, QUIET[meaning])
-    return beams_of_columns(azimuths, widths, ranges, TELLS[meaning], grid)
+    return beams_of_columns(azimuths, widths, ranges, TELLS[meaning], clear, grid)
 
 
 TELLS, QUIET = np.zeros(len(End)), np.full(len(End), np.nan)  # the evidence of each End, and what it says without

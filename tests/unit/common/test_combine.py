@@ -47,6 +47,22 @@ def test_two_beams(one, other, result):
     assert_array_equal(combine([beams(one), beams(other)]).ranges, np.float32([result]))
 
 
+def test_floor_is_clear_as_far_as_all_scans_allow():
+    follows = Beams(*beams(2.0, INF, NAN, NAN)[:2], np.float32([1.5, 3.5, 1.0, 1.2]))
+    assert_array_equal(combine([follows, beams(1.0, INF, 2.0, NAN)]).clear, np.float32([1.0, 3.5, 1.0, 0.0]))
+    assert_array_equal(combine([beams(5.0, 5.0, 0.5, INF), follows]).clear, np.float32([1.5, 3.5, 0.5, 1.2]))
+
+
+def test_nobody_tells_how_far_floor_is_clear_if_no_scan_does():
+    assert combine([beams(1.0), beams(INF)]).clear is None
+    assert combine([beams(1.0), beams(INF)]).within(0.5).clear is None
+
+
+def test_floor_is_not_told_to_be_clear_beyond_range_max():
+    follows = Beams(*beams(2.0, INF)[:2], np.float32([1.5, 3.5]))
+    assert_array_equal(follows.within(3.0).clear, np.float32([1.5, 3.0]))
+
+
 @given(scans())
 def test_no_obstacle_is_hidden(inputs):
     found = combine(inputs).ranges
@@ -71,7 +87,7 @@ def test_a_beam_is_free_only_where_all_looked(inputs):
 @given(scans())
 def test_the_evidence_is_that_of_the_first_of_the_nearest(inputs):
     found = combine(inputs)
-    for beam, (distance, evidence) in enumerate(zip(*found, strict=True)):
+    for beam, (distance, evidence) in enumerate(zip(found.ranges, found.evidence, strict=True)):
         having = [scan.evidence[beam] for scan in inputs if scan.ranges[beam] == distance]
         assert evidence == (having[0] if np.isfinite(distance) else Evidence.NOTHING)
 

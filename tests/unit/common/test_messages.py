@@ -46,7 +46,7 @@ def test_the_pixels_of_a_foreign_frame_run_by_rows_from_the_top_left():
     assert (image.camera.intrinsics.fx, image.camera.intrinsics.fy) == (3.0, 2.5)
 
 
-@pytest.mark.parametrize(("kind", "name"), FIELDS)
+@pytest.mark.parametrize(("kind", "name"), [pair for pair in FIELDS if pair[1] != "clear"])
 def test_a_missing_field_is_named(kind, name):
     with pytest.raises(MessageError, match=f"(^|; ){name}: Field required"):
         decode(kind, **{name: GONE})
@@ -155,6 +155,9 @@ CONTRADICTIONS = {
     "ranges: .*whole number of float32": {"ranges": bytes(13)},
     "intensities: 2 values for 3": {"intensities": floats(1, 1)},
     "intensities: not finite": {"intensities": floats(1, math.nan, 1)},
+    "clear: 2 values for 3": {"clear": floats(1, 1)},
+    "clear: not finite": {"clear": floats(1, math.inf, 1)},
+    "clear: negative": {"clear": floats(1, -0.1, 1)},
     "ranges: negative": {"ranges": floats(1, -0.1, 1)},
     "ranges: negative$": {"ranges": floats(1, -math.inf, 1)},
     "angle_max: 2.0, expected 0.5": {"angle_max": 2.0},
@@ -195,6 +198,18 @@ def test_a_scan_does_not_go_round_twice(beams):
 
 def test_a_scan_may_come_without_intensities():
     assert len(decode(LaserScan, intensities=b"").intensities) == 0
+
+
+def test_a_scan_need_not_tell_how_far_floor_was_seen():
+    assert len(decode(LaserScan, clear=GONE).clear) == 0
+
+
+@pytest.mark.parametrize(
+    ("clear", "free"),
+    [(b"", (1.0, 4.5, 0.0)), (floats(0.5, 5.0, 0.5), (0.5, 4.5, 0.5)), (floats(2.0, 2.0, 0.0), (1.0, 2.0, 0.0))],
+)
+def test_a_beam_is_free_up_to_where_floor_was_seen(clear, free):
+    np.testing.assert_array_equal(decode(LaserScan, clear=clear).free(), free)
 
 
 @pytest.mark.parametrize(

@@ -41,6 +41,14 @@ def test_beyond_the_reach_it_is_free_up_to_there():
     assert said(4.25) == (REACH, False)
 
 
+@pytest.mark.parametrize(
+    ("value", "clear", "free"),
+    [(1.5, 1.25, 1.25), (1.5, 2.0, 1.5), (np.inf, 3.5, 3.5), (np.nan, 0.75, 0.75), (1.5, 0, 0)],
+)
+def test_a_scan_that_tells_how_far_it_saw_floor_is_believed(value, clear, free):
+    assert said(value, clear=np.float32([clear]).tobytes()) == (free, bool(np.isfinite(value)))
+
+
 @pytest.mark.parametrize("value", [np.nan, 4.75, -1.0, -np.inf])
 def test_nan_and_what_lies_outside_the_limits_say_nothing(value):
     assert said(value) == (0.0, False)

@@ -25,6 +25,7 @@ SCAN = {
     "range_max": 4.5,
     "ranges": np.array([1.5, math.inf, math.nan], "<f4").tobytes(),
     "intensities": np.array([2, 0, 0], "<f4").tobytes(),
+    "clear": np.array([1.5, 4.0, 0.75], "<f4").tobytes(),
 }
 
 

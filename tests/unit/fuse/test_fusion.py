@@ -44,6 +44,17 @@ def test_it_is_the_papers_third_algorithm(rows):
     assert_array_equal(fused(positive, negative, range_max=20.0).ranges, expected.astype(np.float32))
 
 
+def test_it_tells_how_far_floor_was_seen_before_what_stands_behind():
+    negative = scan([NAN, INF, 2.0, NAN], clear=[1.2, 3.5, 1.9, 0.8])
+    found = fuse(Pair(scan([3.0, 2.0, INF, NAN]), negative), {"lidar": (LIDAR, scan([INF, INF, 1.5, INF]))})
+    assert_array_equal(found.ranges, np.float32([3.0, 2.0, 1.5, NAN]))
+    assert_array_equal(found.clear, np.float32([1.2, 2.0, 1.5, 0.0]))
+
+
+def test_it_tells_nothing_of_that_if_no_input_does():
+    assert len(fuse(Pair(scan([3.0, INF]), scan([NAN, INF])), {}).clear) == 0
+
+
 @given(lists)
 def test_no_input_hides_an_obstacle_of_another(rows):
     found = fused(*rows, range_max=20.0).ranges

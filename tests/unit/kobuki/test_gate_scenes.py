@@ -13,6 +13,7 @@ from services.kobuki.momentum import Momentum
 from services.kobuki.safety import Decision, Safety, Twist
 from tests import kobuki_scenes as scenes
 from tests import kobuki_trial
+from tests.kobuki_gate import taken_at_its_word
 
 
 def configured(**changes):
@@ -57,7 +58,11 @@ MUTANTS = {
     "free around the robot": (scenes.be_carried, wrapped(Ground, "follow", _free_where_forgotten)),
     "not seen is free": (
         scenes.charge_into_the_dark,
-        wrapped(Ground, "see", lambda f, s, r, *a: f(s, np.where(np.isnan(r), np.inf, r), *a)),
+        wrapped(Ground, "see", lambda f, s, r, free, *a: f(s, r, np.where(np.isnan(r), np.inf, free), *a)),
+    ),
+    "what stands behind vouches for the floor before it": (
+        scenes.charge_across_the_dark,
+        wrapped(Ground, "see", lambda f, s, r, _, *a: f(s, r, taken_at_its_word(r, 4.0), *a)),
     ),
     "not known is free": (
         scenes.charge_into_the_dark,
@@ -82,6 +87,7 @@ MUTANTS = {
     [
         scenes.charge,
         scenes.charge_into_the_dark,
+        scenes.charge_across_the_dark,
         scenes.pass_a_post,
         scenes.come_back_to_a_post,
         scenes.lose_sight,

@@ -8,6 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from services.kobuki.ground import CELL, HALF_CELL, LOOK, MEMORY, Ground, Pose
+from tests.kobuki_gate import taken_at_its_word
 
 HERE = Pose(0.0, 0.0, 0.0)
 ANGLES = np.radians(np.linspace(-29, 29, 640))
@@ -17,8 +18,10 @@ RADIUS = 0.18
 poses = st.builds(Pose, st.floats(-50, 50), st.floats(-50, 50), st.floats(-10, 10))
 
 
-def see(ground, ranges, pose=HERE, angles=ANGLES, range_max=4.0):
-    ground.see(np.broadcast_to(np.asarray(ranges, float), angles.shape).copy(), angles, range_max, pose, BLIND)
+def see(ground, ranges, pose=HERE, angles=ANGLES, range_max=4.0, free=None):
+    ranges = np.broadcast_to(np.asarray(ranges, float), angles.shape).copy()
+    free = taken_at_its_word(ranges, range_max) if free is None else np.full(angles.shape, free)
+    ground.see(ranges, free, angles, pose, BLIND)
 
 
 def occupied(ground, pose=HERE, reach=LOOK):
@@ -55,6 +58,14 @@ def test_beams_not_seen_free_nothing():
     assert not occupied(ground).size
     see(ground, np.where(np.arange(640) % 2, np.nan, np.inf))  # a cell is wider than a beam
     assert unknown_ahead(ground) < 0.5 + 3 * CELL
+
+
+def test_beams_free_nothing_beyond_the_floor_that_was_seen():
+    ground = Ground(HERE, 0.3)
+    see(ground, 2.0, free=1.0)
+    assert 1.0 - 2 * CELL <= unknown_ahead(ground) <= 1.0 + CELL
+    see(ground, math.nan, free=1.2)
+    assert 1.2 - 2 * CELL <= unknown_ahead(ground) <= 1.2 + CELL
 
 
 def test_beams_not_seen_undo_nothing():

@@ -26,9 +26,10 @@ def assert_equal_naive(depth, camera, floor_lost="counts", beams=64, off=0.0):
     grid = Grid.between(beams, -half + off, half + off)
     seen = points_of(depth, camera, lower_than=CONFIG.floor_band)
     found = near_edge(seen, grid, CONFIG.limits(camera), floor_lost, BASELINE)
-    ranges, evidence = naive.near_edge(seen, grid, CONFIG.limits(camera), floor_lost, BASELINE)
+    ranges, evidence, clear = naive.near_edge(seen, grid, CONFIG.limits(camera), floor_lost, BASELINE)
     assert_allclose(found.ranges, ranges, rtol=1e-5)
     assert_array_equal(found.evidence, evidence)
+    assert_allclose(found.clear, clear, rtol=1e-5)
     return found
 
 

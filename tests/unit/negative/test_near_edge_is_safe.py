@@ -46,7 +46,7 @@ def floor_of(camera):
 def test_no_edge_is_farther_than_the_last_row_of_floor(height, pitch, roll, share, deep):
     camera = mounted(height, pitch, roll)
     distance, _, away = floor_of(camera)
-    first, last = (float(limit) for limit in np.nanpercentile(distance[(away > 0.4) & (away < 3.0)], (0, 100)))
+    first, last = (float(limit) for limit in np.nanpercentile(distance[(away > 0.4) & (away < 2.5)], (0, 100)))
     end = first + 0.4 + share * max(last - first - 0.8, 0.0)
     depth = scenes.depth(camera, wall=60.0)
     beyond = ~(distance <= end)
@@ -55,6 +55,7 @@ def test_no_edge_is_farther_than_the_last_row_of_floor(height, pitch, roll, shar
     row = end**2 / (camera.intrinsics.fy * height) * 2 + 0.02  # [m] on the floor: a pitched camera's rows lie oblique
     sees = np.isfinite(beams.ranges)
     assert (beams.ranges[sees] <= end + row).all()
+    assert (beams.clear <= end + row).all()
     assert sees.mean() > 0.9
 
 
@@ -86,6 +87,7 @@ def test_a_beam_through_a_part_of_the_floor_that_was_not_seen_is_not_free(
     through = np.abs(ANGLES - middle) < half - 1.5 * math.radians(58) / 160
     assert through.any()
     assert not np.isposinf(beams.ranges[through]).any()
+    assert (beams.clear[through] <= start + spacing).all()
 
 
 @pytest.mark.parametrize("mount", [(0.3, 0, 0), (0.3, 20, 3), (0.5, 10, 180), (0.4, 10, 90), (0.4, 10, -90)])
@@ -94,6 +96,7 @@ def test_a_frame_without_returns_tells_nothing(mount):
     beams = found(np.zeros((120, 160), np.uint16), camera)
     assert np.isnan(beams.ranges).all()
     assert not beams.evidence.any()
+    assert not beams.clear.any()
 
 
 @pytest.mark.parametrize("mount", [(0.3, 0, 0), (0.3, 20, 3), (0.5, 10, 180), (0.4, 10, 90), (0.4, 10, -90)])
@@ -101,7 +104,17 @@ def test_an_open_floor_is_free(mount):
     width, rows = (120, 160) if abs(mount[2]) == 90 else (160, 120)
     camera = mounted(*mount, width, rows)
     inner = NegativeConfig(field_of_view=40)
-    assert np.isposinf(found(scenes.depth(camera, wall=60.0), camera, inner).ranges).all()
+    beams = found(scenes.depth(camera, wall=60.0), camera, inner)
+    assert np.isposinf(beams.ranges).all()
+    assert (beams.clear > 0.8 * min(CONFIG.sight, mount[0] / CONFIG.grazing)).all()
+
+
+@pytest.mark.parametrize("off", [1.0, 1.5, 2.0])
+def test_before_an_obstacle_floor_is_clear_up_to_its_foot(off):
+    beams = found(scenes.depth(mounted(0.3, 0), wall=off), mounted(0.3, 0))
+    least = CONFIG.least_drop * off / 0.3  # [m] by which the floor behind what rises no higher seems farther off
+    assert np.isnan(beams.ranges).all()
+    assert (np.abs(beams.clear * np.cos(ANGLES) - off) < least + 0.1).all()
 
 
 @settings(max_examples=60)
@@ -120,6 +133,8 @@ def test_any_image_of_any_camera_gives_lawful_scans(height, pitch, roll, kind, s
     assert not np.isneginf(beams.ranges).any()
     assert set(beams.evidence) <= {Evidence.NOTHING, Evidence.DROP, Evidence.FLOOR_LOST}
     np.testing.assert_array_equal(numbers, beams.evidence > 0)
+    assert ((beams.clear >= 0) & (beams.clear <= CONFIG.reach(camera))).all()
+    assert (beams.clear[numbers] <= beams.ranges[numbers] * (1 + 1e-6)).all()
 
 
 @settings(max_examples=30)
