@@ -38,7 +38,8 @@ def trials(count: int, names: list[str], rng: random.Random, stop: StopSignal) -
             outcomes.append(run_trial(rig, name, faults[name], rng))
             told = outcomes[-1]
             end = "fell" if told.fell else f"on after {told.on:.1f} s"
-            text = f"{name} at {told.speed:.2f} m/s, at rest after {told.rest:.2f} s and {told.way:.2f} m, {end}"
+            rest = f"at rest after {told.rest:.2f} s and {told.way:.2f} m, {told.left:.2f} m before the edge"
+            text = f"{name} at {told.speed:.2f} m/s, {rest}, {end}"
             print(f"{len(outcomes)} of {count}: {text}", flush=True)
     return outcomes
 

@@ -9,7 +9,8 @@ from simulator.world import Pose
 
 WORLD = "landing"
 START = Pose(0.0, 0.2, 0.0)
-ENDS = (To(2.55, 0.2), To(-0.9, 0.2))  # 0.45 m before the stairs' edge, 0.6 m before the wall
+EDGE = 3.0  # [m] x of the stairs' edge
+ENDS = (To(EDGE - 0.45, 0.2), To(-0.9, 0.2))  # the other one is 0.6 m before the wall
 SPEEDS = (0.2, 0.3, 0.5)  # [m/s]
 
 

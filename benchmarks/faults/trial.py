@@ -9,7 +9,9 @@ from typing import NamedTuple
 
 from benchmarks.faults.faults import Fault
 from benchmarks.faults.rig import Rig, Sample
+from benchmarks.faults.shuttle import EDGE
 
+HULL = 0.18  # [m] its radius
 REST = 0.02  # [m/s] slower is at rest
 GOING = 0.7  # of the speed that is asked for: it drives
 GOES_ON = 0.05  # [m/s]
@@ -26,6 +28,7 @@ class Outcome(NamedTuple):
     speed: float  # [m/s] when the fault began
     rest: float
     way: float  # [m] until then
+    left: float  # [m] then, between its hull and the stairs' edge
     fell: bool
     on: float
 
@@ -41,6 +44,7 @@ def run_trial(rig: Rig, name: str, fault: Fault, rng: random.Random) -> Outcome:
     fault.end(rig)
     moving, latest = until(rig, last.time + GIVE_UP, lambda sample: abs(sample.speed) > GOES_ON or sample.fallen)
     driving = None if latest.fallen else drive_for(rig, AFTER, latest.time + GIVE_UP)
+    resting = (rested or last).pose
     fell = rig.look().fallen
     if fell:
         rig.put_back()
@@ -48,7 +52,8 @@ def run_trial(rig: Rig, name: str, fault: Fault, rng: random.Random) -> Outcome:
         name,
         before.speed,
         rested.time - before.time if rested else math.inf,
-        math.dist((rested or last).pose[:2], before.pose[:2]),
+        math.dist(resting[:2], before.pose[:2]),
+        EDGE - HULL - resting.x,
         fell,
         moving.time - before.time if moving and driving else math.inf,
     )

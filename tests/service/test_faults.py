@@ -16,6 +16,7 @@ def test_the_robot_stops_does_not_fall_and_goes_on(tmp_path):
     assert done.returncode == 0, done.stdout + done.stderr
     table = {name: cells for name, *cells in rows(tmp_path / "faults.md")}
     assert set(table) == {*FAULTS, "all"}
-    trials, _, slowest, _, fell, went_on, _ = table["all"]
+    trials, _, slowest, _, left, fell, went_on, _ = table["all"]
     assert (trials, fell, went_on) == ("3", "0", "3")
     assert float(slowest) < 1.5  # [s] of the simulation
+    assert float(left) > 0.0
