@@ -12,3 +12,6 @@ class Evidence(IntEnum):
     FLOOR_LOST = 3  # no data where floor must be visible
     FARTHEST_FLOOR = 4  # the farthest floor point
     EXTRA = 5  # an extra input
+
+
+EDGES = (Evidence.DROP, Evidence.FLOOR_LOST, Evidence.FARTHEST_FLOOR)  # where the floor ends

@@ -32,7 +32,9 @@ class Drive:
         if scan:
             ranges = np.broadcast_to(np.asarray(self.ranges, float), ANGLES.shape).copy()
             taken = self.now if taken is None else taken
-            self.safety.see(Scan(ranges, taken_at_its_word(ranges, 4.0), ANGLES), self.pose, taken, self.now)
+            edges = np.zeros(len(ranges), bool)
+            scan = Scan(ranges, edges, taken_at_its_word(ranges, 4.0), ANGLES)
+            self.safety.see(scan, self.pose, taken, self.now)
         self.safety.sense(decode(core(**self.sensors)).core, self.pose)
         if command:
             self.safety.command(Twist(linear, angular), self.now)

@@ -44,12 +44,14 @@ class World:
             free = np.minimum(ranges, RANGE_MAX)
             if dark:
                 ranges[ranges < RANGE_MAX] = np.nan
+            edges = np.isfinite(ranges)
             for x, y, size in self.posts:
                 along = dx * (x - camera.x) + dy * (y - camera.y)
                 aside = dx * (y - camera.y) - dy * (x - camera.x)
                 begins = along - np.sqrt(size**2 - aside**2)
-                ranges = np.where(begins >= BLIND, np.fmin(ranges, begins), ranges)
-        return Scan(np.where(ranges > RANGE_MAX, np.inf, ranges), np.fmin(free, ranges), ANGLES)
+                before = (begins >= BLIND) & ~(begins >= ranges)
+                ranges, edges = np.where(before, begins, ranges), edges & ~before
+        return Scan(np.where(ranges > RANGE_MAX, np.inf, ranges), edges, np.fmin(free, ranges), ANGLES)
 
     def depth_in_void(self, pose):
         """How far [m] the disc reaches into a void; negative for not at all."""

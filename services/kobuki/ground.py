@@ -15,16 +15,17 @@ from numpy.typing import NDArray
 from services.kobuki.view import sector, seen_past
 
 Floats = NDArray[np.float64]
-States = NDArray[np.int8]
+Mask = NDArray[np.bool_]
 
 CELL = 0.04  # [m]
 HALF_CELL = CELL * math.sqrt(0.5)  # [m] from a cell's middle to its corners
 MEMORY = 3.0  # [m] what lies farther off is forgotten
 CELLS = 2 * round(MEMORY / CELL)
 LOOK = 1.5  # [m] around the robot within which floor is seen to be free, and as far as it looks ahead
+BESIDE = 0.2  # [m] along which an edge that is seen may go on where it is not
 WIDEST = math.radians(80.0)  # a scan is taken in that far to either side
 
-UNKNOWN, FREE, OCCUPIED = range(3)
+UNKNOWN, FREE, OCCUPIED, EDGE = range(4)
 TOUCHED = 4  # added to any of them: forgiving a touch must not forget what was seen there
 
 
@@ -86,25 +87,27 @@ class Ground:
         cells = self._state[near]
         cells[covered & (cells == UNKNOWN)] = FREE
 
-    def see(self, ranges: Floats, free: Floats, angles: Floats, pose: Pose, blind: float) -> None:
+    def see(self, ranges: Floats, edges: Mask, free: Floats, angles: Floats, pose: Pose, blind: float) -> None:
         """Take in a scan made at `pose`: (beams,) each, at evenly spaced angles [rad].
 
-        ranges [m]: numbers are where something is in the way; free [m]: how far a beam shows floor. A cell is free when
-        every beam that crosses it shows floor beyond it. Nearer than `blind` [m] the camera sees
-        no floor: there an occupied cell stays what it is, and one not known becomes free only together with the
-        floor behind it, for a hole that begins unseen is first reported at `blind`.
+        ranges [m]: numbers are where something is in the way or, where `edges` says so, the floor ends; free [m]: how
+        far a beam shows floor. A cell is free when every beam that crosses it shows floor beyond it. Nearer than
+        `blind` [m] the camera sees no floor: there a cell in the way stays what it is, and one not known becomes free
+        only together with the floor behind it, for a hole that begins unseen is first reported at `blind`, and not
+        BESIDE an edge, which may go on there.
         """
+        near = np.isfinite(ranges) & (ranges <= 2.0 * MEMORY)
+        for which, state in ((near & ~edges, OCCUPIED), (near & edges, EDGE)):
+            if which.any():
+                hits, ways = ranges[which], angles[which]
+                self.occupy(pose.to_world(np.stack([hits * np.cos(ways), hits * np.sin(ways)])), state)
         if len(angles) > 1:
             self._free(free, angles, pose, blind)
-        near = np.flatnonzero(np.isfinite(ranges) & (ranges <= 2.0 * MEMORY))
-        if near.size:
-            hits, ways = ranges[near], angles[near]
-            self.occupy(pose.to_world(np.stack([hits * np.cos(ways), hits * np.sin(ways)])))
 
-    def occupy(self, points: Floats) -> None:
+    def occupy(self, points: Floats, state: int = OCCUPIED) -> None:
         """Something is in the way at these points (2, n) [m] of the odometry's frame, as far as they are remembered."""
         place = self._places(points)
-        self._state[place] = self._state[place] & TOUCHED | OCCUPIED
+        self._state[place] = self._state[place] & TOUCHED | state
 
     def touch(self, points: Floats) -> None:
         """The robot felt something at these points (2, n) [m]; no scan undoes that, only forgive() and distance."""
@@ -134,12 +137,15 @@ class Ground:
         window = self._window(middle.x, middle.y, around)
         x, y = self._seen_from(pose, window)
         cells = self._state[window]
-        rows, columns = np.nonzero((np.abs(y) < x * math.tan(side)) & ((cells == UNKNOWN) | (cells == OCCUPIED)))
+        rows, columns = np.nonzero((np.abs(y) < x * math.tan(side)) & (cells != FREE) & (cells < TOUCHED))
         if rows.size:
             x, y, state = x[rows, columns], y[rows, columns], cells[rows, columns]
             distances = np.hypot(x, y)
             least = seen_past(distances, np.arctan2(y, x), HALF_CELL, free, angles)
-            shown = _shown_free(state, distances, least, blind) & (distances <= LOOK + CELL)
+            in_view = distances >= blind + HALF_CELL
+            inferred = (state == UNKNOWN) & ~_beside(cells % TOUCHED == EDGE)[rows, columns]
+            shown = (least > np.maximum(distances, blind) + HALF_CELL) & (in_view | inferred)
+            shown &= distances <= LOOK + CELL
             cells[rows[shown], columns[shown]] = FREE
 
     def _places(self, points: Floats) -> tuple[NDArray[np.int64], ...]:
@@ -175,12 +181,13 @@ class Ground:
             self._corner = (row, column)
 
 
-def _shown_free(state: States, distances: Floats, least: Floats, blind: float) -> NDArray[np.bool_]:
-    """Which cells, not known or occupied, beams show to be free that go on to `least` [m]."""
-    all_in_view = distances >= blind + HALF_CELL
-    far_enough = least > np.maximum(distances, blind) + HALF_CELL
-    shown: NDArray[np.bool_] = far_enough & (all_in_view | (state == UNKNOWN))
-    return shown
+def _beside(edges: Mask) -> Mask:
+    """Which cells of a window have an edge BESIDE them: in the square around each, by sums over rectangles."""
+    reach = round(BESIDE / CELL)
+    sums = np.pad(edges, ((reach + 1, reach), (reach + 1, reach))).cumsum(0, np.int16).cumsum(1, np.int16)
+    side = 2 * reach + 1
+    beside: Mask = sums[side:, side:] - sums[:-side, side:] != sums[side:, :-side] - sums[:-side, :-side]
+    return beside
 
 
 def _kept(shift: int) -> slice:

@@ -10,8 +10,10 @@ import math
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from common.base_messages import Rule
+from common.evidence import EDGES
 from common.messages import LaserScan
 from services.kobuki.config import KobukiConfig
 from services.kobuki.foresight import Foresight, Limit
@@ -53,13 +55,16 @@ class Scan(NamedTuple):
     """A fused scan: (beams,) each."""
 
     ranges: Floats  # [m] as REP-117 has them
+    edges: NDArray[np.bool_]  # whether a number is where the floor ends
     free: Floats  # [m] how far floor was seen
     angles: Floats  # [rad] evenly spaced
 
     @classmethod
     def of(cls, scan: LaserScan) -> Scan:
         """What a message tells."""
-        return cls(scan.ranges.astype(np.float64), scan.free(), scan.grid().angles())
+        ranges = scan.ranges.astype(np.float64)
+        edges = np.isin(scan.intensities, EDGES) if len(scan.intensities) else np.zeros(len(ranges), np.bool_)
+        return cls(ranges, edges, scan.free(), scan.grid().angles())
 
 
 class Safety:

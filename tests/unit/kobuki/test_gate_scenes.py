@@ -34,7 +34,7 @@ def _back_off_anyway(_, safety, reaction, limit):
 def _forget_every_metre(follow, ground, pose, radius):
     if not hasattr(ground, "at") or math.hypot(pose.x - ground.at.x, pose.y - ground.at.y) >= 1.0:
         ground.at = pose
-        ground._state[ground._state == OCCUPIED] = UNKNOWN
+        ground._state[ground._state >= OCCUPIED] = UNKNOWN
     follow(ground, pose, radius)
 
 
@@ -58,11 +58,11 @@ MUTANTS = {
     "free around the robot": (scenes.be_carried, wrapped(Ground, "follow", _free_where_forgotten)),
     "not seen is free": (
         scenes.charge_into_the_dark,
-        wrapped(Ground, "see", lambda f, s, r, free, *a: f(s, r, np.where(np.isnan(r), np.inf, free), *a)),
+        wrapped(Ground, "see", lambda f, s, r, e, free, *a: f(s, r, e, np.where(np.isnan(r), np.inf, free), *a)),
     ),
     "what stands behind vouches for the floor before it": (
         scenes.charge_across_the_dark,
-        wrapped(Ground, "see", lambda f, s, r, _, *a: f(s, r, taken_at_its_word(r, 4.0), *a)),
+        wrapped(Ground, "see", lambda f, s, r, e, _, *a: f(s, r, e, taken_at_its_word(r, 4.0), *a)),
     ),
     "not known is free": (
         scenes.charge_into_the_dark,

@@ -18,10 +18,10 @@ RADIUS = 0.18
 poses = st.builds(Pose, st.floats(-50, 50), st.floats(-50, 50), st.floats(-10, 10))
 
 
-def see(ground, ranges, pose=HERE, angles=ANGLES, range_max=4.0, free=None):
+def see(ground, ranges, pose=HERE, angles=ANGLES, range_max=4.0, free=None, edges=False):
     ranges = np.broadcast_to(np.asarray(ranges, float), angles.shape).copy()
     free = taken_at_its_word(ranges, range_max) if free is None else np.full(angles.shape, free)
-    ground.see(ranges, free, angles, pose, BLIND)
+    ground.see(ranges, np.full(angles.shape, edges), free, angles, pose, BLIND)
 
 
 def occupied(ground, pose=HERE, reach=LOOK):
@@ -81,6 +81,17 @@ def test_a_hole_that_begins_in_the_blind_zone_leaves_the_zone_unknown():
     ground = Ground(HERE, 0.4)
     see(ground, BLIND)
     assert unknown_ahead(ground) < 0.4 + 3 * CELL
+
+
+@pytest.mark.parametrize("edges", [False, True])
+def test_an_edge_may_go_on_beside_where_it_was_seen(edges):
+    """Nearer than floor is seen at all a hole's corner may reach into view; beside a post there is floor."""
+    ground = Ground(HERE, 0.3)
+    see(ground, np.where(ANGLES > 0.1, 0.85, math.inf), edges=edges)
+    x, y = ground.not_free(HERE, 1.2, unknown_too=True)
+    before = (x > 0.6) & (x < BLIND)
+    assert (before & (np.abs(y) < 0.05)).any() == edges
+    assert not (before & (np.abs(y + 0.25) < 0.05)).any()
 
 
 def test_the_first_of_a_scan_is_marked_up_to_where_memory_ends():
