@@ -12,11 +12,16 @@ from examples.slam.wire import Scan
 
 @dataclass(frozen=True)
 class Beams:
-    """Each beam: its direction, how far it tells the ground to be free, and whether something is at that end."""
+    """Each beam: its direction, how far it tells the ground to be free, and where something is."""
 
     angles: NDArray[np.float64]  # (beams,) [rad]
     free: NDArray[np.float64]  # (beams,) [m]; 0 where it tells nothing
-    hit: NDArray[np.bool_]  # (beams,) an obstacle or an edge at the end of what is free
+    ends: NDArray[np.float64]  # (beams,) [m] to an obstacle or an edge; NaN where there is none
+
+    @property
+    def hit(self) -> NDArray[np.bool_]:
+        """Which beams (beams,) end at an obstacle or an edge."""
+        return np.isfinite(self.ends)
 
 
 def beams(scan: Scan, reach: float) -> Beams:
@@ -32,4 +37,5 @@ def beams(scan: Scan, reach: float) -> Beams:
     evident = scan.evidence > 0 if len(scan.evidence) else True
     farthest = min(reach, scan.range_max)
     free = np.fmin(scan.clear, ranges) if len(scan.clear) else np.where(number | np.isposinf(ranges), ranges, 0.0)
-    return Beams(scan.angles, np.clip(free, 0.0, farthest), number & (ranges <= farthest) & evident)
+    ends = np.where(number & (ranges <= farthest) & evident, ranges, np.nan)
+    return Beams(scan.angles, np.clip(free, 0.0, farthest), ends)

@@ -77,5 +77,5 @@ def _on_the_way(seen: Beams, origin: Pose, near: float, step: float) -> Floats:
 
 def _ends(seen: Beams, origin: Pose) -> Floats:
     """(2, hits) x, y [m] on the map of the ends of all beams that hit something."""
-    angles, distances = seen.angles[seen.hit] + origin.theta, seen.free[seen.hit]
+    angles, distances = seen.angles[seen.hit] + origin.theta, seen.ends[seen.hit]
     return np.stack([origin.x + distances * np.cos(angles), origin.y + distances * np.sin(angles)])

@@ -88,7 +88,7 @@ def _key_scan(seen: Beams, scan: Scan, odometry: Pose, reach: float) -> Any:  # 
     """A scan as yag-slam takes it: all ranges finite, those beyond its threshold are no obstacles."""
     from yag_slam.models import LocalizedRangeScan
 
-    ranges = np.where(seen.hit, seen.free, reach + 1.0)
+    ranges = np.where(seen.hit, seen.ends, reach + 1.0)
     first, last = seen.angles[0], seen.angles[-1]
     return LocalizedRangeScan(ranges, first, last, scan.angle_increment, 0.0, reach, reach, *odometry)
 

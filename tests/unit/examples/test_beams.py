@@ -11,8 +11,9 @@ REACH = 4.0
 
 
 def said(value, evidence=1.0, **changes):
-    """How far a beam of this range tells the ground to be free, and whether it hit."""
+    """How far a beam of this range tells the ground to be free, and whether it hit; then it ends there."""
     seen = beams(read_scan(payload(scan_fields([value], [evidence]) | changes)), REACH)
+    assert not seen.hit[0] or seen.ends[0] == value
     return seen.free[0], bool(seen.hit[0])
 
 

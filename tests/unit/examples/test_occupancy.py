@@ -13,7 +13,7 @@ CELL = 0.05
 
 
 def one_beam(free, hit=True, angle=0.0):
-    return Beams(np.array([angle]), np.array([free]), np.array([hit]))
+    return Beams(np.array([angle]), np.array([free]), np.array([free if hit else np.nan]))
 
 
 @pytest.fixture
@@ -34,6 +34,12 @@ def test_a_hit_is_occupied_and_the_way_there_is_free(grid):
     assert [at(grid, x, 0.01) for x in (0.01, 0.5, 0.96)] == [23, 23, 23]
     assert at(grid, 1.02, 0.01) == 88
     assert [at(grid, 1.07, 0.01), at(grid, 0.5, 0.06), at(grid, -0.04, 0.01)] == [-1, -1, -1]
+
+
+def test_what_was_not_seen_before_a_hit_stays_unknown(grid):
+    grid.draw(Beams(np.zeros(1), np.array([0.51]), np.array([1.01])), Pose(0.01, 0.01, 0.0))
+    assert [at(grid, 0.01, 0.01), at(grid, 0.46, 0.01), at(grid, 0.56, 0.01), at(grid, 0.96, 0.01)] == [23, 23, -1, -1]
+    assert at(grid, 1.02, 0.01) == 88
 
 
 def test_a_free_beam_leaves_its_end_unoccupied(grid):
@@ -60,7 +66,7 @@ def test_beams_go_where_they_point(grid, heading):
 
 
 def test_a_hit_is_not_freed_by_the_beam_beside_it(grid):
-    seen = Beams(np.array([0.0, 0.001]), np.array([1.0, 3.0]), np.array([True, False]))
+    seen = Beams(np.array([0.0, 0.001]), np.array([1.0, 3.0]), np.array([1.0, np.nan]))
     grid.draw(seen, Pose(0.01, 0.02, 0.0))
     assert at(grid, 1.01, 0.02) == 88
 
