@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 Ranges = NDArray[np.float32]
+NOT_TOLD = np.empty(0, np.float32)
 
 
 class Beams(NamedTuple):
@@ -16,7 +17,7 @@ class Beams(NamedTuple):
 
     ranges: Ranges  # [m] number, +inf (looked, nothing) or NaN (not seen)
     evidence: Ranges  # Evidence
-    clear: Ranges | None = None  # [m] up to which floor was seen throughout, where the scan tells that
+    clear: Ranges = NOT_TOLD  # [m] up to which floor was seen throughout; or (0,)
 
     @classmethod
     def of(cls, ranges: Ranges, evidence: float) -> Beams:
@@ -29,7 +30,7 @@ class Beams(NamedTuple):
         return Beams(
             np.where(beyond, np.float32(np.inf), self.ranges),
             np.where(beyond, np.float32(0.0), self.evidence),
-            None if self.clear is None else np.minimum(self.clear, np.float32(range_max)),
+            np.minimum(self.clear, np.float32(range_max)),
         )
 
 
@@ -51,10 +52,14 @@ def combine(scans: Sequence[Beams]) -> Beams:
     return Beams(ranges, evidence, _clear(scans))
 
 
-def _clear(scans: Sequence[Beams]) -> Ranges | None:
+def _clear(scans: Sequence[Beams]) -> Ranges:
     """As far as every scan allows [m]: what it says, or one that says nothing, up to its number; NaN allows nothing."""
-    if all(scan.clear is None for scan in scans):
-        return None
-    allowed = [np.fmax(scan.ranges, np.float32(0.0)) if scan.clear is None else scan.clear for scan in scans]
-    clear: Ranges = np.minimum.reduce(allowed)
+    if not any(len(scan.clear) for scan in scans):
+        return NOT_TOLD
+    clear: Ranges = np.minimum.reduce([taken_at_its_word(scan.ranges, scan.clear) for scan in scans])
     return clear
+
+
+def taken_at_its_word(ranges: Ranges, clear: Ranges) -> Ranges:
+    """How far floor was seen [m]; a scan that does not tell means up to its number, and NaN nowhere."""
+    return clear if len(clear) else np.fmax(ranges, np.float32(0.0))

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from pydantic import Field, PrivateAttr, model_validator
 
 from common import depth_codec
+from common.combine import NOT_TOLD, taken_at_its_word
 from common.geometry import Camera, FloorPlane, Intrinsics, check_camera
 from common.grid import Grid
 from common.message import Float32s, ListAsTuple, Message, Stamp, UInt64
@@ -21,7 +22,6 @@ Vector4 = Annotated[tuple[float, float, float, float], ListAsTuple]
 State = Literal["starting", "working", "waiting"]  # waiting: for a device
 
 TURN = 2 * math.pi
-NOT_TOLD = np.empty(0, np.float32)
 ANGLE_SLACK = 1.5  # increments: drivers of full-circle scanners disagree whether angle_max is a beam
 
 
@@ -127,8 +127,8 @@ class LaserScan(Message):
 
         A scan that does not tell in `clear` is taken at its word: up to its number, +inf up to range_max, NaN nowhere.
         """
-        clear = self.clear if len(self.clear) else np.fmax(self.ranges, 0.0)
-        return np.fmin(np.fmin(clear, self.ranges), self.range_max).astype(np.float64)
+        clear = taken_at_its_word(self.ranges, self.clear).astype(np.float64)
+        return np.fmin(np.fmin(clear, self.ranges), self.range_max)
 
 
 class ServiceStatus(Message):

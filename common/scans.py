@@ -12,7 +12,7 @@ from common.config import ServiceConfig
 from common.depth_codec import RAW
 from common.geometry import Camera, reach
 from common.grid import Grid
-from common.messages import NOT_TOLD, DepthImage, LaserScan
+from common.messages import DepthImage, LaserScan
 from common.points import Points, points_of
 
 FRAME = "camera_footprint"  # on the floor below the camera
@@ -77,5 +77,5 @@ def laser_scan(image: DepthImage, beams: Beams, config: ScanConfig) -> LaserScan
         range_max=config.reach(image.camera),
         ranges=beams.ranges,
         intensities=beams.evidence,
-        clear=NOT_TOLD if beams.clear is None else beams.clear,
+        clear=beams.clear,
     )

@@ -92,8 +92,7 @@ def seen_from(viewpoint: Pose, points: Floats) -> Floats:
 
 def looked(scan: LaserScan) -> Floats:
     """How far each beam saw free ground: (beams, 2) [m] ahead and left."""
-    free = np.nan_to_num(scan.ranges.astype(np.float64), nan=0.0, posinf=scan.range_max)
-    ends: Floats = free[:, None] * np.column_stack([np.cos(angles_of(scan)), np.sin(angles_of(scan))])
+    ends: Floats = scan.free()[:, None] * np.column_stack([np.cos(angles_of(scan)), np.sin(angles_of(scan))])
     return ends
 
 

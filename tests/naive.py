@@ -140,7 +140,7 @@ def near_edge(
     if not order:
         return np.full(grid.beams, math.nan), np.zeros(grid.beams), np.zeros(grid.beams)
     traced = [naive_trace.floor_trace(points.heights, order, rates, height, limits, column) for column in columns]
-    ends, rows, sure, levels = (list(each) for each in zip(*traced, strict=True))
+    ends, rows, levels, sure, sure_levels = (list(each) for each in zip(*traced, strict=True))
     outward = 1 if order[-1] > order[0] else -1
     disparity = baseline * view.camera.intrinsics.fx
     for u in columns:
@@ -149,7 +149,7 @@ def near_edge(
             ends[u] = End.HIDDEN
     averages = [averaged(ends, rows, levels, u) for u in columns]
     places = [place(view, u, max(rows[u], 0), averages[u]) for u in columns]
-    clear = [surely(view, u, rows[u], sure[u], averages[u], levels[u]) for u in columns]
+    clear = [surely(view, u, places[u], rows[u], sure[u], sure_levels[u]) for u in columns]
     doubt(ends, places, floor_lost)
     return of_beams(ends, places, clear, grid)
 
@@ -193,11 +193,13 @@ def place(view: View, u: int, row: int, level: float) -> tuple[float, float, flo
     return math.atan2(left, forward), math.hypot(forward, left) * depth, width
 
 
-def surely(view: View, u: int, row: int, sure: int, average: float, level: float) -> float:
-    """How far a column shows floor throughout: to where it was last seen, or to where it was last sure."""
+def surely(
+    view: View, u: int, end: tuple[float, float, float], row: int, sure: int, level: float
+) -> tuple[float, float]:
+    """Azimuth and range up to which a column shows floor throughout: to its end, or to where it was last sure."""
     if sure < 0:
-        return 0.0
-    return place(view, u, sure, average if sure == row else level)[1]
+        return end[0], 0.0
+    return end[:2] if sure == row else place(view, u, sure, level)[:2]
 
 
 def doubt(ends: list[End], places: list[tuple[float, float, float]], floor_lost: str) -> None:
@@ -219,7 +221,7 @@ def doubt(ends: list[End], places: list[tuple[float, float, float]], floor_lost:
 
 
 def of_beams(
-    ends: list[End], places: list[tuple[float, float, float]], clear: list[float], grid: Grid
+    ends: list[End], places: list[tuple[float, float, float]], clear: list[tuple[float, float]], grid: Grid
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Each beam tells the worst of the columns it listens to: the nearest number, or not seen, or free."""
     half = grid.increment / 2
@@ -228,18 +230,27 @@ def of_beams(
         heard = [u for u, (azimuth, _, width) in enumerate(places) if abs(azimuth - angle) <= max(width, half)]
         heard = heard or [u for u in range(len(places)) if is_nearest(places, u, angle)]
         numbers = [(places[u][1], 2.0 if ends[u] == End.DROP else 3.0) for u in heard if numbered(ends[u])]
-        free = heard and all(ends[u] == End.SIGHT for u in heard) and not between_closed(ends, places, angle)
+        closed = between_closed(ends, places, angle)
+        free = heard and all(ends[u] == End.SIGHT for u in heard) and not closed
         nearest = min(numbers, key=lambda number: number[0]) if numbers else (math.inf if free else math.nan, 0.0)
-        told.append((*nearest, min((clear[u] for u in heard), default=0.0)))
+        doubtful = [u for u in range(len(places)) if crosses(places[u], clear[u][0], angle, half)]
+        told.append((*nearest, min(clear[u][1] for u in heard + closed + doubtful) if heard else 0.0))
     ranges, evidence, free_up_to = zip(*told, strict=True)
     return np.array(ranges), np.array(evidence), np.array(free_up_to)
 
 
-def between_closed(ends: list[End], places: list[tuple[float, float, float]], angle: float) -> bool:
-    """Whether an angle lies between two neighbouring columns neither of which is free."""
+def crosses(end: tuple[float, float, float], doubted: float, angle: float, half: float) -> bool:
+    """Whether a column that was no longer sure beyond one azimuth led over an angle on the way to its end."""
+    azimuth, _, width = end
+    reach = max(width, half)
+    return doubted != azimuth and min(azimuth, doubted) - reach <= angle <= max(azimuth, doubted) + reach
+
+
+def between_closed(ends: list[End], places: list[tuple[float, float, float]], angle: float) -> list[int]:
+    """The neighbouring columns, neither of them free, between which an angle lies."""
     spans = [sorted((one[0], other[0])) for one, other in pairwise(places)]
-    closed = [End.SIGHT not in pair for pair in pairwise(ends)]
-    return any(shut and low <= angle <= high for shut, (low, high) in zip(closed, spans, strict=True))
+    pairs = [(u, u + 1) for u, (low, high) in enumerate(spans) if low <= angle <= high]
+    return [u for pair in pairs if End.SIGHT not in (ends[pair[0]], ends[pair[1]]) for u in pair]
 
 
 def is_nearest(places: list[tuple[float, float, float]], u: int, angle: float) -> bool:

@@ -18,8 +18,8 @@ NEVER = -1
 
 def floor_trace(
     heights: np.ndarray, order: np.ndarray, rates: Affine, camera_height: f32, limits: Limits, column: int
-) -> tuple[End, int, int, f32]:
-    """What became of the floor in one column: its End, the row where it was last seen and where surely, its height."""
+) -> tuple[End, int, f32, int, f32]:
+    """What became of the floor in one column: its End, the rows where it was seen last and surely, and its heights."""
     sensor = Sensor(rates, camera_height, limits, order[0])
     trace = Trace(sensor, column)
     with np.errstate(all="ignore"):
@@ -75,7 +75,7 @@ class Trace:
         self.last = self.first_look = NEVER  # rows
         self.below = f32(0)  # rows since floor was seen, those far below counted more
         self.deep = self.above = 0  # rows since floor was seen
-        self.doubtful, self.sure = False, NEVER
+        self.doubtful, self.sure, self.sure_level = False, NEVER, f32(0)
 
     @property
     def started(self) -> bool:
@@ -155,21 +155,21 @@ class Trace:
         if self.started:
             doubt = self.rows_since() > of_trace.SPECKLE and since > of_trace.UNVERIFIED
         else:
-            doubt = depth > self.sensor.nearest or abs(height) > of_trace.DOUBT
+            doubt = depth > self.sensor.nearest or abs(height) > of_trace.DOUBT or self.below > 0
         self.doubtful = self.doubtful or doubt
 
     def _taken(self) -> None:
         self.last, self.below, self.deep, self.above = self.row, f32(0), 0, 0
         if not self.doubtful:
-            self.sure = self.row
+            self.sure, self.sure_level = self.row, self.level
 
-    def result(self) -> tuple[End, int, int, f32]:
+    def result(self) -> tuple[End, int, f32, int, f32]:
         if self.end is End.GOING:
             seen = self.started and not self.doubtful and self.rows_since() <= of_trace.SPECKLE
             self.end = End.SIGHT if seen else End.UNSEEN
         if not self.started and self.end is End.DROP:
-            return self.end, self.first_look, NEVER, self.level
-        return self.end, self.last, self.sure, self.level
+            return self.end, self.first_look, self.level, self.sure, self.sure_level
+        return self.end, self.last, self.level, self.sure, self.sure_level
 
 
 def shadowed(

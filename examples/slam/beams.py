@@ -29,8 +29,8 @@ def beams(scan: Scan, reach: float) -> Beams:
 
     A number is free ground up to an obstacle, or to an edge: a map shows a staircase as it shows a wall. A number
     without evidence is free ground only; what lies beyond `reach` is free up to there, and so is +inf. NaN was not
-    seen: it says nothing, nor does a number outside the scan's own limits. A scan that tells how far it saw floor is
-    believed: before what stands behind a hole there is none.
+    seen: it says nothing, nor does a number outside the scan's own limits. But a scan that tells how far it saw floor
+    is believed in each beam: that is free, and no more.
     """
     ranges = scan.ranges.astype(np.float64)
     number = (ranges >= scan.range_min) & (ranges <= scan.range_max)

@@ -73,6 +73,8 @@ def read_scan(payload: bytes) -> Scan:
     beams = len(scan.ranges)
     if not beams or len(scan.evidence) not in (0, beams) or len(scan.clear) not in (0, beams):
         raise WireError(f"{beams} ranges with {len(scan.evidence)} intensities, {len(scan.clear)} clear")
+    if not (np.isfinite(scan.clear) & (scan.clear >= 0.0)).all():
+        raise WireError("clear: expected metres")
     return scan
 
 

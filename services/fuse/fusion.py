@@ -10,7 +10,7 @@ import numpy as np
 from common.combine import Beams, Ranges, combine
 from common.evidence import Evidence
 from common.grid import Grid
-from common.messages import NOT_TOLD, LaserScan
+from common.messages import LaserScan
 from services.fuse.config import ExtraInput
 from services.fuse.pairing import Pair
 from services.fuse.resample import resample
@@ -40,7 +40,7 @@ def fuse(pair: Pair, extras: Mapping[str, tuple[ExtraInput, LaserScan]]) -> Lase
             "range_max": range_max,
             "ranges": fused.ranges,
             "intensities": fused.evidence,
-            "clear": NOT_TOLD if fused.clear is None else fused.clear,
+            "clear": fused.clear,
         }
     )
 
@@ -48,7 +48,7 @@ def fuse(pair: Pair, extras: Mapping[str, tuple[ExtraInput, LaserScan]]) -> Lase
 def _beams(scan: LaserScan, otherwise: Evidence) -> Beams:
     """The beams of a scan; one that came without evidence is taken for what its key says."""
     evidence = scan.intensities if len(scan.intensities) else Beams.of(scan.ranges, otherwise).evidence
-    return Beams(scan.ranges, evidence, scan.clear if len(scan.clear) else None)
+    return Beams(scan.ranges, evidence, scan.clear)
 
 
 def _resampled(source: ExtraInput, scan: LaserScan, grid: Grid) -> Ranges:

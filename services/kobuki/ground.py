@@ -1,4 +1,4 @@
-"""What is known of the floor around the robot: seen free, seen occupied, touched, or not known.
+"""What is known of the floor around the robot: free, occupied, an edge, touched, or not known.
 
 A camera 0.30 m high sees no floor nearer than 0.72 m, so an edge vanishes from view just before the robot reaches it.
 What the scans showed is therefore kept, in the odometry's frame, until it is seen to be free or lies behind.
@@ -25,8 +25,8 @@ LOOK = 1.5  # [m] around the robot within which floor is seen to be free, and as
 BESIDE = 0.2  # [m] along which an edge that is seen may go on where it is not
 WIDEST = math.radians(80.0)  # a scan is taken in that far to either side
 
-UNKNOWN, FREE, OCCUPIED, EDGE = range(4)
-TOUCHED = 4  # added to any of them: forgiving a touch must not forget what was seen there
+FREE, GUESSED, UNKNOWN, OCCUPIED, EDGE = range(5)  # GUESSED is free because floor was seen behind it
+TOUCHED = 8  # added to any of them: forgiving a touch must not forget what was seen there
 
 
 class Pose(NamedTuple):
@@ -68,7 +68,7 @@ class Ground:
 
     def begin_again(self, pose: Pose, start_free: float) -> None:
         """Nobody knows what happened since: what was free may not be, what was in the way may still be."""
-        self._state[self._state == FREE] = UNKNOWN
+        self._state[self._state <= GUESSED] = UNKNOWN
         self.follow(pose, start_free)
 
     def forget(self) -> None:
@@ -85,15 +85,15 @@ class Ground:
         dx, dy = self._offsets(near, pose)
         covered = (dx * dx)[:, None] + dy * dy < radius * radius
         cells = self._state[near]
-        cells[covered & (cells == UNKNOWN)] = FREE
+        cells[covered & (cells <= UNKNOWN)] = FREE
 
     def see(self, ranges: Floats, edges: Mask, free: Floats, angles: Floats, pose: Pose, blind: float) -> None:
         """Take in a scan made at `pose`: (beams,) each, at evenly spaced angles [rad].
 
         ranges [m]: numbers are where something is in the way or, where `edges` says so, the floor ends; free [m]: how
         far a beam shows floor. A cell is free when every beam that crosses it shows floor beyond it. Nearer than
-        `blind` [m] the camera sees no floor: there a cell in the way stays what it is, and one not known becomes free
-        only together with the floor behind it, for a hole that begins unseen is first reported at `blind`, and not
+        `blind` [m] the camera sees no floor: there a cell in the way stays what it is, and one not known is guessed to
+        be free together with the floor behind it, for a hole that begins unseen is first reported at `blind`; but not
         BESIDE an edge, which may go on there.
         """
         near = np.isfinite(ranges) & (ranges <= 2.0 * MEMORY)
@@ -116,7 +116,7 @@ class Ground:
     def forgive(self) -> None:
         """Forget what was touched, but not what was seen at the same place."""
         felt = self._state >= TOUCHED
-        self._state[felt] = np.maximum(self._state[felt] - TOUCHED, FREE)
+        self._state[felt] -= TOUCHED
 
     def not_free(self, pose: Pose, reach: float, unknown_too: bool) -> Floats:
         """Middles (2, n) [m], in the robot's frame, of the cells that are not free: all within `reach` [m], and more.
@@ -125,28 +125,30 @@ class Ground:
         """
         window = self._window(pose.x, pose.y, reach)
         cells = self._state[window]
-        there = np.flatnonzero(cells != FREE if unknown_too else cells >= OCCUPIED)
+        there = np.flatnonzero(cells >= (UNKNOWN if unknown_too else OCCUPIED))
         x, y = self._seen_from(pose, window)
         return np.stack([x.ravel()[there], y.ravel()[there]])
 
     def _free(self, free: Floats, angles: Floats, pose: Pose, blind: float) -> None:
-        """Free what beams cross that show floor up to `free` [m]; what is free already need not be looked at."""
+        """Free what beams cross that show floor up to `free` [m]; what was seen free already need not be looked at."""
         side = min(max(-angles[0], angles[-1]), WIDEST)
         ahead, around = sector(LOOK, side)
         middle = pose.then(Pose(ahead, 0.0, 0.0))
         window = self._window(middle.x, middle.y, around)
         x, y = self._seen_from(pose, window)
         cells = self._state[window]
+        beside = _beside(cells % TOUCHED == EDGE)
+        cells[beside & (cells == GUESSED)] = UNKNOWN
         rows, columns = np.nonzero((np.abs(y) < x * math.tan(side)) & (cells != FREE) & (cells < TOUCHED))
         if rows.size:
             x, y, state = x[rows, columns], y[rows, columns], cells[rows, columns]
             distances = np.hypot(x, y)
             least = seen_past(distances, np.arctan2(y, x), HALF_CELL, free, angles)
-            in_view = distances >= blind + HALF_CELL
-            inferred = (state == UNKNOWN) & ~_beside(cells % TOUCHED == EDGE)[rows, columns]
-            shown = (least > np.maximum(distances, blind) + HALF_CELL) & (in_view | inferred)
-            shown &= distances <= LOOK + CELL
-            cells[rows[shown], columns[shown]] = FREE
+            shown = (least > np.maximum(distances, blind) + HALF_CELL) & (distances <= LOOK + CELL)
+            seen = shown & (distances >= blind + HALF_CELL)
+            guessed = shown & ~seen & (state == UNKNOWN) & ~beside[rows, columns]
+            cells[rows[seen], columns[seen]] = FREE
+            cells[rows[guessed], columns[guessed]] = GUESSED
 
     def _places(self, points: Floats) -> tuple[NDArray[np.int64], ...]:
         """Where the cells of those points (2, n) [m] are kept that lie inside the square."""

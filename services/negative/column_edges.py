@@ -21,20 +21,22 @@ NARROWEST = 0.03  # [m] what fewer columns side by side saw is noise
 def places(
     end: Metres,
     row: Metres,
-    sure: Metres,
     level: Metres,
+    sure: Metres,
+    sure_level: Metres,
     forward: Affine,
     left: Affine,
     up: Affine,
     camera_height: float,
-) -> tuple[Floats, Floats, Floats, Floats]:
-    """Azimuth and width [rad] of each column, range [m] where its floor ends and up to which it is sure.
+) -> tuple[Floats, Floats, Floats, Floats, Floats]:
+    """Azimuth and width [rad] of each column and range [m] where its floor ends; range and azimuth where it was sure.
 
-    (columns,) each. Azimuth and width are those at its row; 0 is sure where there is no such row.
-    end, row, sure, level: as floor_trace has them; forward, left, up: of the view.
+    (columns,) each; floor is sure up to 0 m where there is no such row.
+    end, row, level, sure, sure_level: as floor_trace has them; forward, left, up: of the view.
     """
     columns = len(end)
-    azimuths, widths, ranges, clear = np.empty(columns), np.empty(columns), np.empty(columns), np.zeros(columns)
+    azimuths, widths, ranges = np.empty(columns), np.empty(columns), np.empty(columns)
+    clear, doubted = np.zeros(columns), np.empty(columns)
     more_ahead = forward.columns[1] - forward.columns[0]
     more_aside = left.columns[1] - left.columns[0]
     for u in range(columns):
@@ -51,13 +53,15 @@ def places(
         azimuths[u] = math.atan2(aside, ahead)
         widths[u] = abs(more_aside * ahead - more_ahead * aside) / (ahead * ahead + aside * aside)
         ranges[u] = math.hypot(ahead, aside) * (height - camera_height) / (up.columns[u] + up.rows[v])
+        doubted[u] = azimuths[u]
         if sure[u] >= 0 and sure[u] == row[u]:
             clear[u] = ranges[u]
         elif sure[u] >= 0:
             v = int(sure[u])
             ahead, aside = forward.columns[u] + forward.rows[v], left.columns[u] + left.rows[v]
-            clear[u] = math.hypot(ahead, aside) * (level[u] - camera_height) / (up.columns[u] + up.rows[v])
-    return azimuths, widths, ranges, clear
+            doubted[u] = math.atan2(aside, ahead)
+            clear[u] = math.hypot(ahead, aside) * (sure_level[u] - camera_height) / (up.columns[u] + up.rows[v])
+    return azimuths, widths, ranges, clear, doubted
 
 
 @njit(cache=True)

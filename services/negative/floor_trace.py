@@ -57,7 +57,7 @@ SHOWN = np.float32(0.6)  # this share of what geometry has it
 STRONG, MORE = np.float32(1.25), np.float32(1.1)  # a fall so much beyond noise counts as more than one row
 UNEVEN = np.float32(0.012)  # [m] that a flat floor rises and falls from row to row, and sensors err
 UNSEEN_SLOPE = np.float32(0.0875)  # that the floor may have before the camera sees it
-LATE = np.float32(0.1)  # [m] of depth without floor at the near end that is more than chance
+LATE = np.float32(0.05)  # [m] of depth without floor at the near end that is more than chance
 UNVERIFIED = np.float32(0.05)  # [m] of floor without a return beyond which nobody knows whether it is there
 DOUBT = np.float32(0.045)  # [m] above or below the plane, where what is first seen may be another floor
 
@@ -84,8 +84,8 @@ def floor_trace(
     rates: Affine,
     camera_height: np.float32,
     limits: Metres,
-) -> tuple[Metres, Metres, Metres, Metres]:
-    """What became of the floor in each column: its End, two rows, and the floor's height [m] there; all (columns,).
+) -> tuple[Metres, Metres, Metres, Metres, Metres]:
+    """What became of the floor in each column: its End, and two rows with the floor's height [m] there; all (columns,).
 
     The first row is where floor was last seen or, of a drop before any floor, the first that was looked at; the second
     is up to where floor was seen without a gap or a doubt; -1 = nowhere.
@@ -98,11 +98,12 @@ def floor_trace(
     filled, level = np.empty(columns, np.float32), np.empty(columns, np.float32)
     incline, rough = np.empty(columns, np.float32), np.empty(columns, np.float32)
     end, last, sure = np.empty(columns, np.float32), np.empty(columns, np.float32), np.empty(columns, np.float32)
+    sure_level = np.empty(columns, np.float32)
     doubtful = np.empty(columns, np.float32)  # 0, or the row where floor was last sure, less BEFORE
     below, deep, above = np.empty(columns, np.float32), np.empty(columns, np.float32), np.empty(columns, np.float32)
     for u in range(columns):
         level[u], incline[u], rough[u] = ZERO, ZERO, noise
-        end[u], last[u], doubtful[u] = GOING, GOING, ZERO
+        end[u], last[u], doubtful[u], sure_level[u] = GOING, GOING, ZERO, ZERO
         below[u], deep[u], above[u] = ZERO, ZERO, ZERO
     outward = ONE if rates.rows[0] < rates.rows[1] else -ONE
     spread = abs(rates.rows[1] - rates.rows[0]) / camera_height
@@ -173,7 +174,7 @@ def floor_trace(
             # and how it goes on, if not
             take = (is_floor | step_down) & (not drop)
             smooth = is_floor & take
-            strange = (depth > nearest) | (h > DOUBT) | (h < -DOUBT)
+            strange = (depth > nearest) | (h > DOUBT) | (h < -DOUBT) | (bl > ZERO)
             skipped = (rows_since > SPECKLE) & (since > UNVERIFIED)
             new_doubt = take & (skipped if started else strange)
             away = fall if fall > ZERO else -fall
@@ -192,6 +193,7 @@ def floor_trace(
             below[u], deep[u], above[u] = ZERO if take else bl, ZERO if take else dp, ZERO if take else ab
             before = la if started else GOING
             doubtful[u] = before - BEFORE if new_doubt & (doubt == ZERO) else doubt
+            sure_level[u] = lv if doubt == ZERO else sure_level[u]
             end[u] = ended_as
         going = 0
         for u in range(columns):
@@ -203,6 +205,7 @@ def floor_trace(
             seen = last[u] >= ZERO and doubtful[u] == ZERO and (last[u] - at) * outward <= SPECKLE
             end[u] = SIGHT if seen else UNSEEN
         sure[u] = max(last[u], GOING) if doubtful[u] == ZERO else doubtful[u] + BEFORE
+        sure_level[u] = level[u] if doubtful[u] == ZERO else sure_level[u]
         if last[u] <= BEFORE:
             last[u] = BEFORE - last[u] if end[u] == DROP else GOING
-    return end, last, sure, level
+    return end, last, level, sure, sure_level

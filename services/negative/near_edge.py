@@ -42,7 +42,7 @@ def near_edge(points: Points, grid: Grid, limits: Limits, floor_lost: FloorLost,
     if not len(order):
         nothing = np.zeros(grid.beams, np.float32)
         return Beams(np.full(grid.beams, np.nan, np.float32), nothing, nothing)
-    end, row, sure, level = floor_trace(points.heights, order, rates, height, np.array(limits, np.float32))
+    end, row, level, sure, sure_level = floor_trace(points.heights, order, rates, height, np.array(limits, np.float32))
     if not view.transposed:  # a camera on its side has its eyes one above the other
         lost = np.flatnonzero(end == End.LOST)
         outward = 1 if view.up.rows[1] > view.up.rows[0] else -1
@@ -50,13 +50,13 @@ def near_edge(points: Points, grid: Grid, limits: Limits, floor_lost: FloorLost,
         rows = row[lost].astype(np.int64)
         hidden = shadowed(points.heights, rates, height, lost, rows, outward, disparity, limits.near)
         end[lost[hidden]] = End.HIDDEN
-    azimuths, widths, ranges, clear = places(
-        end, row, sure, level, view.forward, view.left, view.up, view.camera.floor.d
+    azimuths, widths, ranges, clear, doubted = places(
+        end, row, level, sure, sure_level, view.forward, view.left, view.up, view.camera.floor.d
     )
     take_back(end, ranges, widths, floor_lost == "counts", floor_lost != "ignored")
     meaning = end.astype(np.int8)
     ranges = np.where(TELLS[meaning] > 0.0, ranges, QUIET[meaning])
-    return beams_of_columns(azimuths, widths, ranges, TELLS[meaning], clear, grid)
+    return beams_of_columns(azimuths, widths, ranges, TELLS[meaning], clear, doubted, grid)
 
 
 TELLS, QUIET = np.zeros(len(End)), np.full(len(End), np.nan)  # the evidence of each End, and what it says without

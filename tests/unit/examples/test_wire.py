@@ -60,6 +60,8 @@ def test_a_pose_is_one_for_the_project():
         ({"ranges": [1.0, 2.0, 3.0]}, "ranges"),
         ({"ranges": b"", "intensities": b""}, "0 ranges"),
         ({"intensities": b"1234"}, "1 intensities"),
+        ({"clear": b"1234"}, "1 clear"),
+        ({"clear": np.float32([1.0, np.nan, 1.0]).tobytes()}, "clear"),
     ],
 )
 def test_a_bad_scan_is_refused(change, word):

@@ -39,10 +39,10 @@ def assert_traced_alike(depth, camera, every=1):
     assert order.tolist() == naive.rows_outward(seen.view, limits)
     if not len(order):
         return set()
-    ends, rows, sure, levels = floor_trace(seen.heights, order, rates, height, np.array(limits, np.float32))
+    ends, *traced = floor_trace(seen.heights, order, rates, height, np.array(limits, np.float32))
     for column in range(0, len(ends), every):
         slow = naive_trace.floor_trace(seen.heights, order, rates, height, limits, column)
-        fast = End(int(ends[column])), int(rows[column]), int(sure[column]), levels[column]
+        fast = End(int(ends[column])), *(each[column] for each in traced)
         assert fast == slow, f"column {column}"
     return {End(int(end)) for end in ends}
 

@@ -41,22 +41,35 @@ def floor_of(camera):
     return np.hypot(forward, left) * away, np.arctan2(left, forward), away
 
 
+def ending(camera, end, height, deep):
+    """A floor that ends at `end` [m], and far below it goes on, or shows nothing."""
+    depth = scenes.depth(camera, wall=60.0)
+    beyond = ~(floor_of(camera)[0] <= end)
+    depth[beyond] = (depth[beyond] * (1 + 0.6 / height)).clip(0, 60000) if deep else 0
+    return depth
+
+
 @settings(max_examples=40)
 @given(st.floats(0.2, 1.0), st.floats(0, 35), st.sampled_from([0.0, 180.0]), st.floats(0, 1), st.booleans())
 def test_no_edge_is_farther_than_the_last_row_of_floor(height, pitch, roll, share, deep):
     camera = mounted(height, pitch, roll)
     distance, _, away = floor_of(camera)
-    first, last = (float(limit) for limit in np.nanpercentile(distance[(away > 0.4) & (away < 2.5)], (0, 100)))
+    first, last = (float(limit) for limit in np.nanpercentile(distance[(away > 0.4) & (away < 3.0)], (0, 100)))
     end = first + 0.4 + share * max(last - first - 0.8, 0.0)
-    depth = scenes.depth(camera, wall=60.0)
-    beyond = ~(distance <= end)
-    depth[beyond] = (depth[beyond] * (1 + 0.6 / height)).clip(0, 60000) if deep else 0
-    beams = found(depth, camera)
+    beams = found(ending(camera, end, height, deep), camera)
     row = end**2 / (camera.intrinsics.fy * height) * 2 + 0.02  # [m] on the floor: a pitched camera's rows lie oblique
     sees = np.isfinite(beams.ranges)
     assert (beams.ranges[sees] <= end + row).all()
     assert (beams.clear <= end + row).all()
-    assert sees.mean() > 0.9
+
+
+@pytest.mark.parametrize("deep", [True, False])
+@pytest.mark.parametrize("mount", [(0.3, 0, 0), (0.3, 20, 180), (0.5, 30, 0), (1.0, 35, 0)])
+def test_an_edge_1_m_from_the_nearest_floor_is_seen(mount, deep):
+    camera = mounted(*mount)
+    distance, _, away = floor_of(camera)
+    end = np.nanmin(distance[away > 0.4]) + 1.0
+    assert np.isfinite(found(ending(camera, end, mount[0], deep), camera).ranges).mean() > 0.9
 
 
 @settings(max_examples=60)
@@ -190,4 +203,17 @@ def test_no_beam_is_free_between_two_columns_that_are_not(height, pitch, start, 
     distance, azimuth, _ = floor_of(camera)
     depth = scenes.depth(camera, wall=60.0)
     depth[(distance > start) & (distance < start + 0.4) & (abs(azimuth - middle) < 0.2)] = 0
-    assert not np.isposinf(found(depth, camera).ranges[np.abs(ANGLES - middle) < 0.195]).any()
+    beams = found(depth, camera)
+    between = np.abs(ANGLES - middle) < 0.195
+    assert not np.isposinf(beams.ranges[between]).any()
+    assert (beams.clear[between] <= start + 0.02).all()
+
+
+@pytest.mark.parametrize("tilt", [-2.0, -1.0, 0.0, 1.0, 2.0])
+def test_floor_is_clear_up_to_a_gap_however_it_goes_on_behind(tilt):
+    camera = mounted(0.3, 0.0, width=640, rows=480)
+    depth = scenes.depth(mounted(0.3, tilt, width=640, rows=480), wall=60.0)
+    gap = (depth > 1150) & (depth < 1250)
+    depth[gap] = 0
+    clear = found(depth, camera).clear * np.cos(ANGLES)
+    assert ((clear > 1.0) & (clear < 1.15 + 0.02)).all()
