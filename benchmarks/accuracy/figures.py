@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from benchmarks.accuracy.score import Tally, Verdict, percentile
+from benchmarks.accuracy.score import Tally, Verdict, percentile, ratio
 
 DEFINITIONS = """\
 *Drop beams* are those whose edge is in the sensor's sight (the three rows of floor before it are in the image and in
@@ -24,6 +24,8 @@ and no obstacle in the way before it. *Allowed* is the larger of 2 cm and one ro
 - *error*: of the drop beams' numbers: reported less true distance, its median; the 95th percentile of its amount; and
   that of its amount over the allowed error.
 - *kerb*: as found, of the drop beams of kerbs of 5 cm up to 1.5 m away.
+- *clear beyond*: of the drop beams, those that tell floor to be clear farther than edge + allowed; "-" where a scan
+  does not tell how far floor is clear.
 
 Not counted, and how many they are, stands under each table:
 
@@ -52,6 +54,7 @@ class Figures(NamedTuple):
     percentile95: float  # [m]
     relative95: float  # of the allowed error
     kerb: float
+    clear_beyond: float
 
     @classmethod
     def of(cls, drops: Sequence[Tally], safe: Sequence[Tally], kerbs: Sequence[Tally]) -> Figures:
@@ -69,4 +72,5 @@ class Figures(NamedTuple):
             percentile95=percentile(np.abs(drop.errors), 95),
             relative95=percentile(np.abs(drop.relative), 95),
             kerb=kerb.share((Verdict.FOUND, Verdict.EARLY), ON_DROP),
+            clear_beyond=ratio(drop.beyond, drop.telling),
         )

@@ -9,7 +9,7 @@ from functools import partial
 from benchmarks.accuracy.cases import Case, scene_of
 from benchmarks.accuracy.frames import KNOWN, WOBBLING, Frame, frames_of
 from benchmarks.accuracy.rows import Census, Row, Table
-from benchmarks.accuracy.scans import ANGLES, known_scans, ranges_of
+from benchmarks.accuracy.scans import ANGLES, beams_of, known_scans
 from benchmarks.accuracy.score import Tally
 from benchmarks.accuracy.truth import Truth, truth_of
 
@@ -60,10 +60,10 @@ def results(work: Work, scans: Sequence[str]) -> list[Row]:
 def rows_of(case: Case, plane: str, frames: Sequence[tuple[Frame, Truth]], scans: Sequence[str]) -> Iterator[Row]:
     """One row for each scan, over all frames."""
     census = Census.of([truth for _, truth in frames])
-    seen = [(ranges_of(frame, scans), truth) for frame, truth in frames]
+    seen = [(beams_of(frame, scans), truth) for frame, truth in frames]
     for scan in scans:
-        tally = Tally.total([Tally.of(ranges[scan], truth) for ranges, truth in seen])
-        kerb = Tally.total([Tally.of(ranges[scan], near(truth)) for ranges, truth in seen])
+        tally = Tally.total([Tally.of(beams[scan], truth) for beams, truth in seen])
+        kerb = Tally.total([Tally.of(beams[scan], near(truth)) for beams, truth in seen])
         yield Row(case, plane, scan, tally, kerb, census)
 
 

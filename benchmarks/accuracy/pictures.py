@@ -13,7 +13,7 @@ from matplotlib.patches import Polygon
 from benchmarks.accuracy.cases import Case, scene_of
 from benchmarks.accuracy.frames import PLANES, Frame, frames_of
 from benchmarks.accuracy.polygons import Floats, direction
-from benchmarks.accuracy.scans import ANGLES, ranges_of
+from benchmarks.accuracy.scans import ANGLES, beams_of
 from benchmarks.accuracy.scene import Scene
 from benchmarks.accuracy.score import Verdict, judge
 from benchmarks.accuracy.sight import floor_points, pixels
@@ -40,7 +40,7 @@ def draw(case: Case, plane: str, scans: Sequence[str], path: Path) -> None:
     frame = [frame for frame in frames_of(case, mode) if frame.plane == plane][-1]
     scene = scene_of(case)
     truth = truth_of(scene, frame.true, ANGLES)
-    ranges = ranges_of(frame, scans)
+    ranges = {scan: beams.ranges for scan, beams in beams_of(frame, scans).items()}
     figure = Figure(figsize=(5.0 * len(scans), 10.5), layout="constrained")
     figure.suptitle(f"{case.name}, plane {plane}: {frame.true.floor.d:.2f} m, drops {depths(scene)}")
     grid = figure.add_gridspec(2, len(scans), height_ratios=(1, 1.6))

@@ -14,7 +14,7 @@ Item = TypeVar("Item")
 
 NONE = "-"
 HEADINGS = ("scan", "found", "missed", "late", "early", "false, safe", "false, drop", "median [m]", "95 % [m]",
-            "95 % / allowed", "kerb")  # fmt: skip
+            "95 % / allowed", "kerb", "clear beyond")  # fmt: skip
 
 
 def report(table: Table) -> str:
@@ -80,14 +80,15 @@ def faults(rows: Sequence[Row], kind: str) -> str:
 
 def cells(figures: Figures) -> tuple[str, ...]:
     """Figures as text."""
-    shares, kerb = figures[:6], figures.kerb
+    shares = figures[:6]
     relative = NONE if math.isnan(figures.relative95) else f"{figures.relative95:.2f}"
     return (
         *(percent(share) for share in shares),
         metres(figures.median, "+"),
         metres(figures.percentile95),
         relative,
-        percent(kerb),
+        percent(figures.kerb),
+        percent(figures.clear_beyond),
     )
 
 

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import get_args
 
 from benchmarks.accuracy.frames import Frame
-from common.combine import Beams, Ranges, combine
+from common.combine import Beams, combine
 from common.depth_codec import RAW
 from common.messages import DepthImage
 from services.negative.config import Method, NegativeConfig
@@ -29,10 +29,10 @@ def known_scans() -> dict[str, tuple[Method, ...]]:
     return scans
 
 
-def ranges_of(frame: Frame, names: Sequence[str]) -> dict[str, Ranges]:
-    """The ranges (beams,) [m] of each scan: number, +inf or NaN."""
+def beams_of(frame: Frame, names: Sequence[str]) -> dict[str, Beams]:
+    """What each scan tells."""
     scans = {name: known_scans()[name] for name in names}
     used = tuple(method for method in METHODS if any(method in methods for methods in scans.values()))
     image = DepthImage.pack(0, 0, "", frame.depth, frame.camera, RAW)
     found: dict[Method, Beams] = beams_by_method(image, CONFIG, used)
-    return {name: combine([found[method] for method in methods]).ranges for name, methods in scans.items()}
+    return {name: combine([found[method] for method in methods]) for name, methods in scans.items()}

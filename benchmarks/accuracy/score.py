@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.accuracy.truth import Truth
+from common.combine import Beams
 
 Ranges = NDArray[np.floating[Any]]
 Verdicts = NDArray[np.int8]
@@ -55,17 +56,23 @@ class Tally(NamedTuple):
     relative: Ranges  # the same over the allowed error
     hidden: int = 0  # beams that report a number where a ramp is out of sight, of those that saw little of it,
     sinking: int = 0  # and of those that saw more
+    telling: int = 0  # drop beams that tell how far floor was seen,
+    beyond: int = 0  # and of those that tell it too far
 
     @classmethod
-    def of(cls, ranges: Ranges, truth: Truth) -> Tally:
+    def of(cls, beams: Beams, truth: Truth) -> Tally:
         """The tally of one scan."""
+        ranges = beams.ranges
         verdicts = judge(ranges, truth)
         counts = np.bincount(verdicts, minlength=len(Verdict))
         reporting = truth.drop & np.isfinite(ranges)
         errors = ranges[reporting] - truth.edge[reporting]
         undecided = truth.undecidable & np.isfinite(ranges) & (verdicts == Verdict.UNCOUNTED)
         sinking = int((undecided & truth.sinking).sum())
-        return cls(counts, errors, errors / truth.allowed[reporting], int(undecided.sum()) - sinking, sinking)
+        hidden = int(undecided.sum()) - sinking
+        told = truth.drop & bool(len(beams.clear))
+        beyond = int((beams.clear > truth.edge + truth.allowed)[told].sum()) if told.any() else 0
+        return cls(counts, errors, errors / truth.allowed[reporting], hidden, sinking, int(told.sum()), beyond)
 
     @classmethod
     def total(cls, tallies: Sequence[Tally]) -> Tally:
@@ -77,6 +84,8 @@ class Tally(NamedTuple):
             np.concatenate([none, *(tally.relative for tally in tallies)]),
             sum(tally.hidden for tally in tallies),
             sum(tally.sinking for tally in tallies),
+            sum(tally.telling for tally in tallies),
+            sum(tally.beyond for tally in tallies),
         )
 
     def count(self, *verdicts: Verdict) -> int:

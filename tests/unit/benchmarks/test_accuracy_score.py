@@ -6,8 +6,13 @@ import pytest
 from benchmarks.accuracy.figures import Figures
 from benchmarks.accuracy.score import Tally, Verdict, judge
 from benchmarks.accuracy.truth import EARLY, Truth
+from common.combine import NOT_TOLD, Beams
 
 INF, NAN = np.inf, np.nan
+
+
+def scan(ranges, clear=NOT_TOLD):
+    return Beams(np.array(ranges), np.zeros(len(ranges)), np.array(clear))
 
 
 def truth(edge, allowed=0.02, drop=None, undecidable=None, sinking=None, earliest=None):
@@ -53,25 +58,32 @@ def test_verdict(edge, reported, verdict):
 def test_number_where_a_ramp_is_out_of_sight_is_undecided_and_before_it_is_astray():
     ramp = truth([INF] * 3, undecidable=[True] * 3, sinking=[False, True, False], earliest=[2.0] * 3)
     assert list(judge(np.array([2.5, 2.5, 1.5]), ramp)) == [Verdict.UNCOUNTED, Verdict.UNCOUNTED, Verdict.ASTRAY]
-    tally = Tally.of(np.array([2.5, 2.5, 1.5]), ramp)
+    tally = Tally.of(scan([2.5, 2.5, 1.5]), ramp)
     assert (tally.hidden, tally.sinking) == (1, 1)
 
 
 def test_errors_are_those_of_the_drop_beams_that_report_a_number():
-    tally = Tally.of(np.array([2.01, INF, 1.0, 4.5]), truth([2.0, 2.0, INF, 4.0]))
+    tally = Tally.of(scan([2.01, INF, 1.0, 4.5]), truth([2.0, 2.0, INF, 4.0]))
     assert tally.errors == pytest.approx([0.01])
     assert tally.relative == pytest.approx([0.5])
 
 
+def test_floor_that_is_clear_beyond_the_edge_is_counted():
+    told = scan([INF, NAN, 2.0, 2.0, INF], [2.5, 2.03, 2.019, 1.0, 4.0])
+    figures = Figures.of([Tally.of(told, truth([2.0, 2.0, 2.0, 2.0, INF]))], [], [])
+    assert figures.clear_beyond == 0.5
+
+
 def test_figures():
-    drops = [Tally.of(np.array([2.0, 2.1, INF, 1.0, NAN, 1.0]), truth([2.0, 2.0, 2.0, 2.0, INF, INF]))]
-    safe = [Tally.of(np.array([INF, NAN, 4.0, INF]), truth([INF] * 4))]
+    drops = [Tally.of(scan([2.0, 2.1, INF, 1.0, NAN, 1.0]), truth([2.0, 2.0, 2.0, 2.0, INF, INF]))]
+    safe = [Tally.of(scan([INF, NAN, 4.0, INF]), truth([INF] * 4))]
     figures = Figures.of(drops, safe, [])
     assert figures.found == 0.5  # a number before the edge has found it, and is early besides
     assert (figures.missed, figures.late, figures.early) == (0.25, 0.25, 0.25)
     assert (figures.false_safe, figures.false_drop) == (0.25, 0.5)
     assert figures.median == pytest.approx(0.0)
     assert np.isnan(figures.kerb)
+    assert np.isnan(figures.clear_beyond)
 
 
 def test_total_of_nothing_is_nothing():

@@ -32,6 +32,7 @@ def test_near_edge_reaches_its_targets(plane):
     assert ours.false_drop <= 0.001
     assert ours.relative95 <= 1.1
     assert ours.kerb >= 0.99
+    assert ours.clear_beyond <= 0.003
 
 
 @pytest.mark.parametrize("plane", PLANES)
