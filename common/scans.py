@@ -15,6 +15,7 @@ from common.grid import Grid
 from common.messages import DepthImage, LaserScan
 from common.points import Points, points_of
 
+UNSURE_SLOPE = 1.8  # [deg] by which a slope may look steeper than it is
 FRAME = "camera_footprint"  # on the floor below the camera
 BLANK = DepthImage(  # a frame in which nothing was seen: what kernels are compiled on
     seq=0,

@@ -104,18 +104,6 @@ def virtual_floor(depth: np.ndarray, camera: Camera, grid: Grid, floor_band: flo
     return np.array(array_b)
 
 
-def projection(depth: np.ndarray, camera: Camera, grid: Grid, floor_band: float, robot_height: float) -> np.ndarray:
-    """Positive obstacles. A beam that saw the floor or below it, and nothing in the way, is free."""
-    nearest = [math.nan] * grid.beams
-    for step, x, y, height in points(depth, camera, grid):
-        if height > robot_height:
-            continue
-        distance = math.sqrt(x**2 + y**2) if height > floor_band else math.inf
-        if math.isnan(nearest[step]) or nearest[step] > distance:
-            nearest[step] = distance
-    return np.array(nearest)
-
-
 def combine(array_a: np.ndarray, array_b: np.ndarray) -> np.ndarray:
     """Algorithm 3. Free only where both say so."""
     array_c = list(array_a)

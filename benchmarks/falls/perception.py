@@ -24,7 +24,8 @@ Mode = Literal["default", "paper", "positive"]
 Perception = Callable[[Millimetres, int], LaserScan]  # of a frame (rows, columns) [mm] and its stamp [ns]
 
 FRAME = "camera_depth_optical_frame"
-PAPER = NegativeConfig(**NegativeConfig.PROFILES["paper"])
+PAPER = NegativeConfig(**NegativeConfig.PROFILES["paper"]), PositiveConfig(**PositiveConfig.PROFILES["paper"])
+DEFAULT = NegativeConfig(), PositiveConfig()
 
 
 def perception(mode: Mode, camera: Camera) -> Perception:
@@ -34,27 +35,26 @@ def perception(mode: Mode, camera: Camera) -> Perception:
     of the mount. positive: the tracked floor and what stands on it, no edges.
     """
     if mode == "paper":
-        return lambda depth, stamp: _fused(_image(depth, stamp, camera), PAPER)
+        return lambda depth, stamp: _fused(_image(depth, stamp, camera), *PAPER)
     tracker = FloorTracker(camera.floor)
 
     def tracked(depth: Millimetres, stamp: int) -> DepthImage:
         return _image(depth, stamp, replace(camera, floor=tracker.update(depth, camera)))
 
     if mode == "positive":
-        return lambda depth, stamp: _positive(tracked(depth, stamp))
-    return lambda depth, stamp: _fused(tracked(depth, stamp), NegativeConfig())
+        return lambda depth, stamp: _positive(tracked(depth, stamp), DEFAULT[1])
+    return lambda depth, stamp: _fused(tracked(depth, stamp), *DEFAULT)
 
 
 def _image(depth: Millimetres, stamp: int, camera: Camera) -> DepthImage:
     return DepthImage.pack(0, stamp, FRAME, depth, camera, RAW)
 
 
-def _positive(image: DepthImage) -> LaserScan:
-    config = PositiveConfig()
+def _positive(image: DepthImage, config: PositiveConfig) -> LaserScan:
     return laser_scan(image, obstacles(image, config), config)
 
 
-def _fused(image: DepthImage, config: NegativeConfig) -> LaserScan:
-    found = beams_by_method(image, config, config.methods)
-    negative = laser_scan(image, combine([found[method] for method in config.methods]), config)
-    return fuse(Pair(_positive(image), negative), {})
+def _fused(image: DepthImage, negative: NegativeConfig, positive: PositiveConfig) -> LaserScan:
+    found = beams_by_method(image, negative, negative.methods)
+    edges = laser_scan(image, combine([found[method] for method in negative.methods]), negative)
+    return fuse(Pair(_positive(image, positive), edges), {})

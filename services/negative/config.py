@@ -10,13 +10,12 @@ from pydantic import Field, model_validator
 from common.config import Profiles
 from common.geometry import Camera
 from common.message import ListAsTuple
-from common.scans import ScanConfig
+from common.scans import UNSURE_SLOPE, ScanConfig
 from services.negative.floor_trace import Limits
 from services.negative.near_edge import FloorLost
 
 Method = Literal["farthest_point", "virtual_floor", "near_edge"]
 
-UNSURE_SLOPE = 1.8  # [deg] by which a slope may look steeper than it is
 TRUSTED = 0.97  # of the sensor's range; beyond, noise takes depths out of it
 
 

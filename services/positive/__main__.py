@@ -15,7 +15,7 @@ from services.positive.projection import projection
 def obstacles(image: DepthImage, config: PositiveConfig) -> Beams:
     """The nearest obstacle in each beam."""
     seen = points(image, config, lower_than=config.robot_height)
-    ranges = projection(seen, config.grid(), config.floor_band, config.robot_height)
+    ranges = projection(seen, config.grid(), config.floor_band, config.robot_height, config.slope)
     return Beams.of(ranges, Evidence.POSITIVE).within(config.reach(image.camera))
 
 

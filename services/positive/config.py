@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Self
+import math
+from typing import Annotated, ClassVar, Self
 
 from pydantic import Field, model_validator
 
-from common.scans import ScanConfig
+from common.config import Profiles
+from common.scans import UNSURE_SLOPE, ScanConfig
 
 
 class PositiveConfig(ScanConfig):
     """The beams of the scan and what stands in the robot's way."""
 
+    PROFILES: ClassVar[Profiles] = {"paper": {"steepest": 0.0}}
+
+    steepest: Annotated[float, Field(ge=0, le=20)] = 5.0  # [deg] a ramp up to here is floor; 0: the floor is flat
     robot_height: Annotated[float, Field(gt=0)] = 0.42  # [m] a TurtleBot 2; what is higher is passed under
 
     @model_validator(mode="after")
@@ -19,3 +24,8 @@ class PositiveConfig(ScanConfig):
         if self.robot_height <= self.floor_band:
             raise ValueError(f"robot_height {self.robot_height} is not above floor_band {self.floor_band}")
         return self
+
+    @property
+    def slope(self) -> float:
+        """Rise per metre of the steepest floor, as it may look; 0 where the floor is flat."""
+        return math.tan(math.radians(self.steepest + UNSURE_SLOPE)) if self.steepest else 0.0

@@ -1,4 +1,8 @@
-"""Projection: all that stands in the robot's way, brought down to the floor. Paper: positive obstacles."""
+"""Projection: all that stands in the robot's way, brought down to the floor. Paper: positive obstacles.
+
+What stands on a ramp is told from the ramp by following the floor outward: from one point of it to the next it rises by
+no more than the steepest floor does, while a face rises at once.
+"""
 
 from __future__ import annotations
 
@@ -8,29 +12,66 @@ from numba import njit
 from common.grid import Grid
 from common.points import Metres, Points
 from common.sight import LOOKED, NOTHING, Indices, Ranges, least, sight_of
+from services.positive.first_sight import first_floor
+
+ACROSS = np.float32(0.2)  # [m] of unseen floor over which it may rise
+ZERO = np.float32(0.0)
 
 
-def projection(points: Points, grid: Grid, floor_band: float, robot_height: float) -> Ranges:
-    """Range [m] of the nearest point above the floor band and not above the robot, in each beam: (beams,).
+def projection(points: Points, grid: Grid, floor_band: float, robot_height: float, slope: float) -> Ranges:
+    """Range [m] of the nearest point above the floor and not above the robot, in each beam: (beams,).
 
-    +inf where a beam saw floor, or below it, and nothing in the way; NaN where it saw neither: what is higher than the
-    robot tells nothing of what stands below it.
+    floor_band [m] above it is floor; slope: rise per metre of the steepest floor, 0 for the flat one of the paper;
+    robot_height [m] above the floor plane. +inf where a beam saw floor, or below it, and nothing in the way; NaN where
+    it saw neither: what is higher than the robot tells nothing of what stands below it.
     """
     sight = sight_of(points.view, grid)
-    standing = brought_down(points.heights, points.distances, sight.starts, floor_band, robot_height)
+    outward = 1 if points.view.up.rows[0] < points.view.up.rows[1] else -1
+    band, height, steepest = np.float32(floor_band), np.float32(robot_height), np.float32(slope)
+    level, seen = first_floor(points.heights, points.distances, outward, band, steepest)
+    standing = brought_down(
+        points.heights, points.distances, sight.starts, outward, band, height, steepest, level, seen
+    )
     return least(standing, sight)
 
 
 @njit(cache=True)
-def brought_down(heights: Metres, distances: Metres, starts: Indices, floor_band: float, robot_height: float) -> Metres:
-    """The nearest such point [m] of each column, in each stretch: (stretches, columns)."""
-    nearest = np.full((len(starts) - 1, heights.shape[1]), NOTHING)
-    for stretch in range(len(starts) - 1):
-        for row in range(starts[stretch], starts[stretch + 1]):
-            for column in range(heights.shape[1]):
-                height = heights[row, column]
-                value = distances[row, column] if height > floor_band else LOOKED
+def brought_down(
+    heights: Metres,
+    distances: Metres,
+    starts: Indices,
+    outward: int,
+    floor_band: np.float32,
+    robot_height: np.float32,
+    slope: np.float32,
+    level: Metres,
+    seen: Metres,
+) -> Metres:
+    """The nearest such point [m] of each column, in each stretch: (stretches, columns).
+
+    outward: 1 where rows lead away from the robot, or -1; level, seen [m]: how high the floor of each column is and how
+    far it was seen, (columns,) each; they are kept up to date in place.
+    """
+    stretches, columns = len(starts) - 1, heights.shape[1]
+    nearest = np.full((stretches, columns), NOTHING)
+    for index in range(stretches):
+        stretch = index if outward > 0 else stretches - 1 - index
+        first, last = starts[stretch], starts[stretch + 1] - 1
+        for step in range(last + 1 - first):
+            row = first + step if outward > 0 else last - step
+            for column in range(columns):
+                height, distance, lv, far = heights[row, column], distances[row, column], level[column], seen[column]
+                further = distance - far
+                further = further if further > ZERO else ZERO
+                highest = lv + slope * (further if further < ACROSS else ACROSS)
+                standing = height > highest + floor_band
+                value = distance if standing else LOOKED
                 value = value if height <= robot_height else NOTHING
                 before = nearest[stretch, column]
                 nearest[stretch, column] = value if value < before else before
+                floor = (height <= highest + floor_band) & (height >= -floor_band)
+                here = height if height > ZERO else ZERO
+                here = here if here < highest else highest
+                level[column] = here if floor else lv
+                seen[column] = far + (further if floor else ZERO)
     return nearest

@@ -8,7 +8,7 @@ from numpy.testing import assert_allclose
 
 from common.geometry import FloorPlane
 from common.grid import Grid
-from tests import naive, scenes
+from tests import naive, naive_positive, scenes
 from tests.service.conftest import image, intensities, ranges
 
 GRID = Grid.between(64, -math.radians(29), math.radians(29))
@@ -29,13 +29,9 @@ CAMERAS = [
 
 @pytest.fixture
 def services(start):
-    beams = f"beams={GRID.beams}"
-    for service, options in (
-        ("negative", ["--set", f"negative.{beams}", "--set", "profile=paper"]),
-        ("positive", ["--set", f"positive.{beams}"]),
-        ("fuse", []),
-    ):
-        start(service, *options, wait=False)
+    for service in ("negative", "positive"):
+        start(service, "--set", f"{service}.beams={GRID.beams}", "--set", "profile=paper", wait=False)
+    start("fuse", wait=False)
 
 
 @pytest.fixture
@@ -49,7 +45,7 @@ def expected(depth, camera):
     """Each scan as the slow transcription has it."""
     farthest = naive.farthest_point(depth, camera, GRID, BAND)
     virtual = naive.virtual_floor(depth, camera, GRID, BAND)
-    positive = naive.projection(depth, camera, GRID, BAND, ROBOT)
+    positive = naive_positive.projection(depth, camera, GRID, BAND, ROBOT)
     negative = naive.combine(farthest, virtual)
     everything = (positive, farthest, virtual, negative, naive.combine(positive, negative))
     return dict(zip(SCANS, everything, strict=True))

@@ -16,7 +16,7 @@ from tests import scenes
 
 METHODS = ("farthest_point", "virtual_floor")
 PATHS = scan_paths(METHODS)
-BAND, ROBOT = 0.03, 0.42
+BAND, ROBOT, FLAT = 0.03, 0.42, 0.0
 
 
 def image(name="hole and box", seq=0, stamp=1):
@@ -32,7 +32,7 @@ def frame(name="hole and box", seq=0, stamp=1):
         Beams.of(farthest_point(seen, grid, BAND), Evidence.FARTHEST_FLOOR),
         Beams.of(virtual_floor(seen, grid, BAND), Evidence.DROP),
     ]
-    positive = Beams.of(projection(seen, grid, BAND, ROBOT), Evidence.POSITIVE)
+    positive = Beams.of(projection(seen, grid, BAND, ROBOT, FLAT), Evidence.POSITIVE)
     beams = [*negative, combine(negative), positive, combine([positive, combine(negative)])]
     return Frame(depth, {path: laser_scan(depth, each, config) for path, each in zip(PATHS, beams, strict=True)})
 

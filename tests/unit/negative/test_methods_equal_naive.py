@@ -14,9 +14,9 @@ from common.points import points_of
 from services.negative.farthest_point import farthest_point
 from services.negative.virtual_floor import virtual_floor
 from services.positive.projection import projection
-from tests import naive, scenes
+from tests import naive, naive_positive, scenes
 
-BAND, ROBOT = 0.03, 0.42
+BAND, ROBOT, SLOPE = 0.03, 0.42, 0.12
 OFF_CENTRE = 1e-4  # [rad] so that no pixel lies exactly between two beams, where rounding alone decides
 GRID = Grid.between(64, -math.radians(29), math.radians(29))
 
@@ -26,15 +26,17 @@ def assert_equal_naive(depth, camera, grid):
     found = {
         "farthest_point": farthest_point(low, grid, BAND),
         "virtual_floor": virtual_floor(low, grid, BAND),
-        "projection": projection(points_of(depth, camera, lower_than=ROBOT), grid, BAND, ROBOT),
+        "flat": projection(points_of(depth, camera, lower_than=ROBOT), grid, BAND, ROBOT, 0.0),
+        "projection": projection(points_of(depth, camera, lower_than=ROBOT), grid, BAND, ROBOT, SLOPE),
     }
     assert_array_equal(farthest_point(all_heights, grid, BAND), found["farthest_point"])
     assert_array_equal(virtual_floor(all_heights, grid, BAND), found["virtual_floor"])
-    assert_array_equal(projection(all_heights, grid, BAND, ROBOT), found["projection"])
+    assert_array_equal(projection(all_heights, grid, BAND, ROBOT, SLOPE), found["projection"])
     expected = {
         "farthest_point": naive.farthest_point(depth, camera, grid, BAND),
         "virtual_floor": naive.virtual_floor(depth, camera, grid, BAND),
-        "projection": naive.projection(depth, camera, grid, BAND, ROBOT),
+        "flat": naive_positive.projection(depth, camera, grid, BAND, ROBOT),
+        "projection": naive_positive.projection(depth, camera, grid, BAND, ROBOT, SLOPE),
     }
     for method, ranges in found.items():
         assert_allclose(ranges, expected[method], rtol=1e-6, err_msg=method)

@@ -66,7 +66,7 @@ def test_what_is_between_the_floor_and_the_robots_height_is_in_the_way(bottom, t
 def test_the_floor_band_and_the_robots_height_belong_to_themselves(height, found):
     everywhere = np.full((48, 64), height, np.float32), np.full((48, 64), 2.0, np.float32)
     seen = Points(*everywhere, view_of(scenes.camera(), math.inf))
-    np.testing.assert_array_equal(projection(seen, CONFIG.grid(), 0.03, 0.42), np.full(31, found, np.float32))
+    np.testing.assert_array_equal(projection(seen, CONFIG.grid(), 0.03, 0.42, 0.0), np.full(31, found, np.float32))
 
 
 def test_what_is_nearer_than_range_min_is_part_of_the_robot():
@@ -86,11 +86,16 @@ def test_a_frame_without_returns_tells_nothing():
 def test_no_point_in_the_way_is_farther_than_its_beam_says(height, pitch, roll, seed):
     camera = scenes.camera(12, 10, FloorPlane.from_mount(height, pitch, roll))
     depth = np.random.default_rng(seed).integers(0, 7000, (10, 12)).astype(np.uint16)
-    config = PositiveConfig(beams=30, field_of_view=57)  # no beam begins, ends or has its middle where a column does
-    found = obstacles(DepthImage.pack(1, 1, "camera", depth, camera, RAW), config).ranges
-    for beam, x, y, above in naive.points(depth, camera, config.grid()):
-        if CONFIG.floor_band + 1e-9 < above <= CONFIG.robot_height - 1e-9:
-            assert found[beam] <= math.hypot(x, y) * (1 + 1e-6)
+    # no beam begins, ends or has its middle where a column does
+    flat, default = (PositiveConfig(beams=30, field_of_view=57, steepest=steepest) for steepest in (0.0, 5.0))
+    picture = DepthImage.pack(1, 1, "camera", depth, camera, RAW)
+    found, with_ramps = obstacles(picture, flat).ranges, obstacles(picture, default).ranges
+    for beam, x, y, above in naive.points(depth, camera, flat.grid()):
+        distance = math.hypot(x, y)
+        if flat.floor_band + 1e-9 < above <= flat.robot_height - 1e-9:
+            assert found[beam] <= distance * (1 + 1e-6)
+        if flat.floor_band + default.slope * distance + 1e-6 < above <= flat.robot_height - 1e-9:
+            assert with_ramps[beam] <= distance * (1 + 1e-6)  # higher than any ramp up to there
 
 
 def play(config, images, monkeypatch):
