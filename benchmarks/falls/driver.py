@@ -1,8 +1,9 @@
 """A driver that wants to go everywhere: to the edges, into the holes and beyond the walls.
 
 It knows how large the floor plan is and where the robot stands, and nothing of what is there. Mostly it heads for a
-near place where it has not been, and learns only from the gate which ways are shut; now and then it heads straight
-for any place, inside or outside. When the gate holds the robot for long it turns away and picks another goal.
+near place where it has not been, and learns from the fused scans and from the gate which ways are shut; now and then it
+heads straight for any place, inside or outside, whatever it has seen there. When the gate holds the robot for long it
+turns away and picks another goal.
 """
 
 from __future__ import annotations
@@ -10,7 +11,9 @@ from __future__ import annotations
 import math
 from random import Random
 
-from benchmarks.falls.memory import SQUARE, Memory, Place
+from benchmarks.falls.memory import Memory, Place
+from benchmarks.falls.sight import SQUARE
+from common.messages import LaserScan
 from services.kobuki.safety import Decision, Twist
 from simulator.world import Pose
 
@@ -39,6 +42,10 @@ class Driver:
         self._until = 0.0  # [s] when the goal is given up
         self._held_since: float | None = None
         self._gain = 1.5
+
+    def see(self, pose: Pose, scan: LaserScan) -> None:
+        """A fused scan came, that was taken while the robot truly was at `pose`."""
+        self._memory.see(pose, scan)
 
     def command(self, pose: Pose, decision: Decision, now: float) -> Twist:
         """What the driver wants now, [s]; it sees what the gate made of its last wish."""

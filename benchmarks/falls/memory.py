@@ -1,4 +1,4 @@
-"""What a driver remembers of a floor plan that nobody showed it: where it was, and where the gate did not let it go."""
+"""What a driver remembers of a floor plan that nobody showed it: where it was, what it saw, where the gate held it."""
 
 from __future__ import annotations
 
@@ -9,7 +9,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-SQUARE = 0.1  # [m] side of the squares that it remembers
+from benchmarks.falls.sight import SQUARE, Sight
+from common.messages import LaserScan
+from simulator.world import Pose
+
 SEEN = 0.45, 0.28  # [m] around the robot that counts as visited, in a first and in a second round
 STOPPED = 0.20, 0.15  # [m] ahead of a robot that was held, and around there, where its middle cannot get to
 
@@ -23,17 +26,24 @@ class Memory:
 
     def __init__(self, low: Place, high: Place) -> None:
         self.low, self.high = low, high
-        shape = tuple(math.ceil((last - first) / SQUARE) for first, last in zip(low, high, strict=True))
+        shape = math.ceil((high[0] - low[0]) / SQUARE), math.ceil((high[1] - low[1]) / SQUARE)
         self._least = np.full(shape, math.inf)  # [m] how near it was; 0 for what was tried in vain
         self._round = 0
-        self._shut = np.zeros(shape, dtype=bool)
+        self._shut = np.zeros(shape, dtype=bool)  # by the gate
+        self._stood = np.zeros(shape, dtype=bool)  # where its middle was, so that it can be there
+        self._sight = Sight(low, shape)
         x, y = (first + SQUARE * (0.5 + np.arange(count)) for first, count in zip(low, shape, strict=True))
         self._x, self._y = x[:, None], y[None, :]
 
     def visit(self, x: float, y: float) -> None:
         """The robot is there [m]."""
         np.minimum(self._least, np.hypot(self._x - x, self._y - y), out=self._least)
-        self._shut[self.square(x, y)] = False
+        here = self.square(x, y)
+        self._stood[here], self._shut[here] = True, False
+
+    def see(self, pose: Pose, scan: LaserScan) -> None:
+        """A fused scan that was taken while the robot truly was at `pose`."""
+        self._sight.see(pose, scan)
 
     def give_up(self, place: Place) -> None:
         """That place [m] was tried in vain."""
@@ -61,7 +71,7 @@ class Memory:
         return Ways(self, came, [square for square in came if self._least[square] > seen])
 
     def begin_again(self) -> None:
-        """Forget where it could not go, for another round; after the last one forget also where it was."""
+        """Forget where the gate did not let it go, for another round; after the last one forget also where it was."""
         self._shut[:] = False
         self._round = (self._round + 1) % len(SEEN)
         if self._round == 0:
@@ -82,7 +92,9 @@ class Memory:
 
     def _open(self, square: Square) -> bool:
         rows, columns = self._shut.shape
-        return 0 <= square[0] < rows and 0 <= square[1] < columns and not self._shut[square]
+        if not (0 <= square[0] < rows and 0 <= square[1] < columns):
+            return False
+        return not self._shut[square] and bool(self._stood[square] or not self._sight.shut[square])
 
     def _around(self, x: float, y: float, radius: float) -> NDArray[np.bool_]:
         near: NDArray[np.bool_] = (self._x - x) ** 2 + (self._y - y) ** 2 <= radius**2

@@ -19,6 +19,7 @@ from common.messages import LaserScan
 from services.kobuki.safety import CRAWL
 from simulator.kobuki.drive import WheelModel
 from simulator.robot import RobotSimulation
+from simulator.world import Pose
 
 TICK = 0.01  # [s]
 FRAME_PERIOD = (0.07, 0.10)  # [s] between two frames: 10 to 14 Hz
@@ -43,7 +44,7 @@ class Trial:
         self.watch = Watch()
         self._driver = Driver(tuple(self.floor.low), tuple(self.floor.high), case.speed, self.random)
         self._scan_of = perception(case.mode, self.robot.camera)
-        self._coming: deque[tuple[float, LaserScan]] = deque()  # [s] when it arrives
+        self._coming: deque[tuple[float, LaserScan, Pose]] = deque()  # [s] when it arrives, and where it was taken
         self._frame_due = self._command_due = self._point_due = 0.0
         self._to_base = b""
 
@@ -70,14 +71,16 @@ class Trial:
         now = self.robot.time
         self._to_base = self.gate.hear(said, now)
         while self._coming and self._coming[0][0] <= now:
-            self.gate.see(self._coming.popleft()[1], now)
+            _, scan, pose = self._coming.popleft()
+            self.gate.see(scan, now)
+            self._driver.see(pose, scan)
         if now >= self._command_due:
             self._command_due += COMMAND_PERIOD
             self._drive(now)
         if now >= self._frame_due:
             self._frame_due = now + self.random.uniform(*FRAME_PERIOD)
             scan = self._scan_of(self.robot.frame(), round(now * SECOND))
-            self._coming.append((now + self.random.uniform(*AGE), scan))
+            self._coming.append((now + self.random.uniform(*AGE), scan, self.robot.pose))
         self.watch.look(self.robot, self.gate.core)
 
     def _drive(self, now: float) -> None:

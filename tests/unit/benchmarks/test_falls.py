@@ -11,10 +11,13 @@ from benchmarks.falls.measure import outcome_of
 from benchmarks.falls.memory import Memory
 from benchmarks.falls.records import write
 from benchmarks.falls.report import report
+from benchmarks.falls.sight import ENOUGH, MOST
 from benchmarks.falls.trial import Trial
+from common.messages import LaserScan
+from services.kobuki.config import KobukiConfig
 from simulator.world import Pose, World
 
-HOLE = 6  # a world in which the driver soon wants to cross a hole
+HOLE = 20  # a world in which the driver soon wants to cross a hole
 
 
 @pytest.fixture(scope="module")
@@ -33,8 +36,8 @@ def test_report_and_files_tell_of_every_fall(outcomes, tmp_path):
     lines = report(list(outcomes.values()), 6.0).splitlines()
     assert sum(line.startswith(("| default | 0.5 | 1 |", "| positive | 0.5 | 1 |")) for line in lines) == 2
     write(list(outcomes.values()), tmp_path)
-    assert '"case": "positive:0.5:6"' in (tmp_path / "events.json").read_text()
-    assert "default:0.5:6,random:6,12" in (tmp_path / "runs.csv").read_text()
+    assert f'"case": "positive:0.5:{HOLE}"' in (tmp_path / "events.json").read_text()
+    assert f"default:0.5:{HOLE},random:{HOLE},12" in (tmp_path / "runs.csv").read_text()
 
 
 @pytest.mark.parametrize("mode", ["default", "paper"])
@@ -86,6 +89,83 @@ def test_memory_finds_ways_round_what_was_shut():
     way = memory.ways((1.0, 1.0)).to(memory.square(2.0, 1.0))
     assert max(y for _, y in way) > 2.5
     assert way[-1] == pytest.approx((2.05, 1.05))
+
+
+LOOKING = Pose(0.5, 1.5, 0.0)
+
+
+def scan_of(ranges):
+    """A fused scan of three or more beams over 60 degrees."""
+    side = math.radians(30.0)
+    return LaserScan(
+        seq=0, stamp=0, frame="camera_footprint", angle_min=-side, angle_max=side,
+        angle_increment=2 * side / (len(ranges) - 1), time_increment=0.0, scan_time=0.1, range_min=0.0, range_max=10.0,
+        ranges=np.array(ranges, np.float32), intensities=np.zeros(0, np.float32),
+    )  # fmt: skip
+
+
+def ranges_to_line(distance, beams=241):
+    """Ranges [m] to a line across, that far [m] ahead of the robot."""
+    return (distance - KobukiConfig().camera_x) / np.cos(np.radians(np.linspace(-30.0, 30.0, beams)))
+
+
+def looked(*scans, times=1, pose=LOOKING):
+    """What is remembered of 3 m x 3 m after these ranges [m] were each seen that often, one after the other."""
+    memory = Memory((0.0, 0.0), (3.0, 3.0))
+    for scan in scans:
+        for _ in range(times):
+            memory.see(pose, scan_of(scan))
+    return memory
+
+
+def test_scans_shut_what_they_see_but_not_at_once():
+    way = (0.5, 1.5), (1.4, 1.5)
+    assert looked(ranges_to_line(1.0)).straight(*way)
+    memory = looked(ranges_to_line(1.0), times=ENOUGH)
+    assert not memory.straight(*way)
+    assert memory.straight(way[0], (1.2, 1.5))
+    assert not memory.straight((1.62, 0.9), (1.62, 2.1))
+    round_it = memory.ways(way[0]).to(memory.square(2.5, 1.5))
+    assert min(abs(y - 1.5) for x, y in round_it if abs(x - 1.5) < 0.1) > 0.6
+
+
+def test_what_is_looked_past_opens_again_and_what_is_not_seen_does_not():
+    way, wall, beams = ((0.5, 1.5), (2.0, 1.5)), ranges_to_line(1.0), 241
+    for past, opens in (
+        (ranges_to_line(2.0), True),
+        (np.full(beams, np.inf), True),
+        (np.full(beams, np.nan), False),
+        (ranges_to_line(0.5), False),
+        (ranges_to_line(1.06), False),
+    ):
+        assert looked(wall, past, times=MOST).straight(*way) is opens
+
+
+def test_scans_that_see_nothing_shut_nothing():
+    assert looked(np.full(241, np.nan), np.full(241, np.inf), ranges_to_line(9.0), times=MOST).straight(
+        (0.5, 1.5), (2.9, 1.5)
+    )
+
+
+@pytest.mark.parametrize("aside", np.arange(0.0, 0.1, 0.02))
+def test_a_passage_between_two_walls_stays_open(aside):
+    angles = np.radians(np.linspace(-30.0, 30.0, 241))
+    sides = 0.3 / np.abs(np.sin(angles)).clip(1e-6)
+    memory = looked(np.where(sides < 2.5, sides, np.inf), times=MOST, pose=Pose(0.1, 1.5 + aside, 0.0))
+    end = memory.square(1.9, 1.5 + aside)
+    way = memory.ways((0.1, 1.5 + aside)).to(end)
+    assert all(abs(y - 1.5 - aside) < 0.1 for _, y in way)
+    assert not memory.straight((1.5, 1.5), (1.5, 1.9))
+
+
+def test_where_the_robot_stands_and_stood_is_open():
+    memory = looked(ranges_to_line(1.0), times=MOST)
+    assert not memory.straight((0.5, 1.5), (2.0, 1.5))
+    for x in np.arange(1.2, 1.9, 0.05):
+        memory.visit(x, 1.5)
+        assert memory.straight((x, 1.5), (x, 1.5))
+    assert memory.straight((0.5, 1.5), (2.0, 1.5))
+    assert not memory.straight((0.5, 1.7), (2.0, 1.7))
 
 
 def test_cases_share_the_time_and_the_worlds():
