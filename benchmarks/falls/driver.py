@@ -3,7 +3,7 @@
 It knows how large the floor plan is and where the robot stands, and nothing of what is there. Mostly it heads for a
 near place where it has not been, and learns from the fused scans and from the gate which ways are shut; now and then it
 heads straight for any place, inside or outside, whatever it has seen there. When the gate holds the robot for long it
-turns away and picks another goal.
+turns away and picks another goal; when the robot does not get away from a place at all it first backs off.
 """
 
 from __future__ import annotations
@@ -27,6 +27,9 @@ LONGEST = 8.0  # [m] of driving, in time, after which a goal is given up
 LOOKAHEAD = 1.5  # [m]
 SLOW = 0.05  # [m/s] below which a robot that is to go is held
 AHEAD = math.radians(60.0)  # beyond, it turns on the spot first
+STUCK, BACK = 4.0, 2.0  # [s] without moving after which it backs off, and for how long
+MOVED, TURNED = 0.03, math.radians(10.0)  # [m] and [rad] that count as moving
+BACKWARD = Twist(-0.1, 0.0)
 FASTEST_TURN = 1.8  # [rad/s]
 GAINS = (1.2, 3.0)  # [1/s] how hard it steers
 
@@ -41,6 +44,7 @@ class Driver:
         self._whim = False
         self._until = 0.0  # [s] when the goal is given up
         self._held_since: float | None = None
+        self._moved, self._moved_at = Pose(), 0.0  # where it last moved to, and when [s]
         self._gain = 1.5
 
     def see(self, pose: Pose, scan: LaserScan) -> None:
@@ -51,6 +55,9 @@ class Driver:
         """What the driver wants now, [s]; it sees what the gate made of its last wish."""
         here = (pose.x, pose.y)
         self._memory.visit(*here)
+        if self._stuck(pose, now):
+            self._way = []
+            return BACKWARD
         if self._held(decision, now):
             self._memory.shut(*pose)
             self._choose(pose, now, whim=self._random.random() < WHIM / 2)
@@ -70,6 +77,16 @@ class Driver:
         near = [place for place in self._way if math.dist(here, place) <= LOOKAHEAD]
         seen = (place for place in reversed(near) if self._memory.straight(here, place))
         return next(seen, self._way[-1])
+
+    def _stuck(self, pose: Pose, now: float) -> bool:
+        """Whether it has not moved for long, and for as long as it then backs off."""
+        if now - self._moved_at > STUCK + BACK or (now - self._moved_at < STUCK and self._moving(pose)):
+            self._moved, self._moved_at = pose, now
+        return now - self._moved_at >= STUCK
+
+    def _moving(self, pose: Pose) -> bool:
+        turned = abs(math.remainder(pose.yaw - self._moved.yaw, math.tau)) > TURNED
+        return turned or math.dist((pose.x, pose.y), (self._moved.x, self._moved.y)) > MOVED
 
     def _held(self, decision: Decision, now: float) -> bool:
         """Whether the gate has held the robot for long; told once each time."""

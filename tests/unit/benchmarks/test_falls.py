@@ -1,11 +1,13 @@
 """Wandering robots: the default does not fall where one without edges does, and every run can be run again."""
 
 import math
+from random import Random
 
 import numpy as np
 import pytest
 
 from benchmarks.falls.cases import Case, all_cases, length
+from benchmarks.falls.driver import BACK, BACKWARD, STUCK, Driver
 from benchmarks.falls.floor import NEAR, Floor, arc
 from benchmarks.falls.measure import outcome_of
 from benchmarks.falls.memory import Memory
@@ -15,6 +17,7 @@ from benchmarks.falls.sight import ENOUGH, MOST
 from benchmarks.falls.trial import Trial
 from common.messages import LaserScan
 from services.kobuki.config import KobukiConfig
+from services.kobuki.safety import REST, Decision
 from simulator.world import Pose, World
 
 HOLE = 20  # a world in which the driver soon wants to cross a hole
@@ -166,6 +169,15 @@ def test_where_the_robot_stands_and_stood_is_open():
         assert memory.straight((x, 1.5), (x, 1.5))
     assert memory.straight((0.5, 1.5), (2.0, 1.5))
     assert not memory.straight((0.5, 1.7), (2.0, 1.7))
+
+
+def test_a_driver_that_does_not_get_away_backs_off_for_a_while():
+    driver = Driver((-3.0, -3.0), (3.0, 3.0), 0.3, Random(1))
+    free = Decision("free", REST, REST)
+    asked = [driver.command(Pose(), free, 0.1 * tick) for tick in range(80)]
+    backing = [0.1 * tick for tick, twist in enumerate(asked) if twist == BACKWARD]
+    assert (backing[0], backing[-1]) == (pytest.approx(STUCK, abs=0.11), pytest.approx(STUCK + BACK, abs=0.11))
+    assert len(backing) == round((backing[-1] - backing[0]) / 0.1) + 1
 
 
 def test_cases_share_the_time_and_the_worlds():
