@@ -57,6 +57,11 @@ class ScanConfig(ServiceConfig):
         return max(self.range_min, min(self.range_max, reach(camera)))
 
 
+def steepest_rise(degrees: float) -> float:
+    """Rise per metre of a ramp that steep, as it may look at most."""
+    return math.tan(math.radians(degrees + UNSURE_SLOPE))
+
+
 def points(image: DepthImage, config: ScanConfig, lower_than: float) -> Points:
     """What the rows of `image` that can show anything lower than that [m] above the floor tell of it."""
     return points_of(image.depth, image.camera, config.range_min, lower_than)

@@ -10,7 +10,7 @@ import numpy as np
 from common.geometry import Camera
 from common.grid import Grid
 from services.positive.first_sight import BASE, UNEVEN
-from services.positive.projection import ACROSS
+from services.positive.projection import ACROSS, CLOSE
 from tests import naive
 
 Point = tuple[float, float]  # how far away and how high above the plane [m]
@@ -59,7 +59,9 @@ def judged(
         highest = level + slope * min(ahead, float(ACROSS))
         standing = height > highest + floor_band
         if not standing and height >= -floor_band:
-            level, reach = min(max(height, 0.0), highest), reach + ahead
+            reach += ahead
+            if height <= highest + CLOSE:
+                level = min(max(height, 0.0), highest)
         yield (row, number), (distance, height, standing)
 
 
@@ -71,7 +73,9 @@ def first_floor(points: list[Point], floor_band: float, slope: float) -> Point:
     if floor_band / 2 < height <= slope * distance:
         for farther, higher in points[1:]:
             run, rise = farther - distance, higher - height
-            if run >= BASE:
-                as_from_a_foot = run * height / distance - UNEVEN <= rise <= run * slope + UNEVEN
+            if rise > run * slope + UNEVEN:
+                break
+            if run >= BASE * distance:
+                as_from_a_foot = rise >= run * height / distance - UNEVEN
                 return (height if as_from_a_foot else 0.0), distance
     return 0.0, distance

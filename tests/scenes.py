@@ -22,8 +22,14 @@ def camera(
     return Camera(width, height, Intrinsics(focal, focal, *centre), reach, floor or FloorPlane.from_mount(0.3))
 
 
-def depth(camera: Camera, holes: list[Box] = [], boxes: list[Box] = [], wall: float = 5.0) -> np.ndarray:  # noqa: B006
-    """(rows, columns) [mm]: a floor with holes, boxes on it, and a wall at x = `wall` [m]."""
+def depth(
+    camera: Camera,
+    holes: list[Box] = [],  # noqa: B006
+    boxes: list[Box] = [],  # noqa: B006
+    wall: float = 5.0,
+    ramp: tuple[float, float] | None = None,
+) -> np.ndarray:
+    """(rows, columns) [mm]: a floor with holes and boxes, a wall at x = `wall` [m], a ramp (foot [m], [deg])."""
     forward, left, up = (axis.table() for axis in scan_axes(camera))
     with np.errstate(divide="ignore", invalid="ignore"):
         nearest = np.where(forward > 0, wall / forward, np.inf)
@@ -31,6 +37,10 @@ def depth(camera: Camera, holes: list[Box] = [], boxes: list[Box] = [], wall: fl
         for hole in holes:
             inside = _within(forward * ground, hole[0], hole[3]) & _within(left * ground, hole[1], hole[4])
             ground = np.where(inside, _leaves(camera, hole, forward, left, up), ground)
+        if ramp:
+            foot, rise = ramp[0], math.tan(math.radians(ramp[1]))
+            climbs = (camera.floor.d + rise * foot) / (rise * forward - up)
+            ground = np.where((climbs > 0) & (forward * climbs > foot), np.minimum(ground, climbs), ground)
         nearest = np.minimum(nearest, ground)
         for box in boxes:
             nearest = np.minimum(nearest, _enters(camera, box, forward, left, up))
@@ -69,5 +79,7 @@ SCENES = {
     "hole and box": {"holes": [HOLE], "boxes": [(1.0, 0.5, 0.0, 1.3, 0.8, 0.3)]},
     "nothing but a wall": {"wall": 0.6},
     "low and high boxes": {"boxes": [(1.2, -0.4, 0.0, 1.4, 0.0, 0.1), (1.6, 0.1, 0.5, 1.8, 0.6, 0.9)]},
+    "a ramp whose foot is not seen": {"ramp": (0.36, 5.0)},
+    "a low top whose face is not seen": {"boxes": [(0.3, -1.0, 0.0, 1.2, 1.0, 0.05)]},
     "kerb": {"holes": [(1.2, -5.0, -0.05, 5.0, 5.0, 0.0)]},
 }

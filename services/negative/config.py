@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from typing import Annotated, ClassVar, Literal, Self
 
 from pydantic import Field, model_validator
@@ -10,7 +9,7 @@ from pydantic import Field, model_validator
 from common.config import Profiles
 from common.geometry import Camera
 from common.message import ListAsTuple
-from common.scans import UNSURE_SLOPE, ScanConfig
+from common.scans import ScanConfig, steepest_rise
 from services.negative.floor_trace import Limits
 from services.negative.near_edge import FloorLost
 
@@ -45,7 +44,7 @@ class NegativeConfig(ScanConfig):
     def limits(self, camera: Camera) -> Limits:
         """What near_edge takes for floor in images of a camera."""
         near, far = camera.range
-        slope = math.tan(math.radians(self.steepest + UNSURE_SLOPE))
+        slope = steepest_rise(self.steepest)
         return Limits(
             near, min(TRUSTED * far, self.sight), self.noise, self.grazing, slope, self.least_drop, self.least_gap
         )

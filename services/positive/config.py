@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import math
 from typing import Annotated, ClassVar, Self
 
 from pydantic import Field, model_validator
 
 from common.config import Profiles
-from common.scans import UNSURE_SLOPE, ScanConfig
+from common.scans import ScanConfig, steepest_rise
 
 
 class PositiveConfig(ScanConfig):
@@ -16,7 +15,7 @@ class PositiveConfig(ScanConfig):
 
     PROFILES: ClassVar[Profiles] = {"paper": {"steepest": 0.0}}
 
-    steepest: Annotated[float, Field(ge=0, le=20)] = 5.0  # [deg] a ramp up to here is floor; 0: the floor is flat
+    steepest: Annotated[float, Field(ge=0, le=20)] = 5.0  # [deg] a ramp up to here is floor, as for negative; 0: flat
     robot_height: Annotated[float, Field(gt=0)] = 0.42  # [m] a TurtleBot 2; what is higher is passed under
 
     @model_validator(mode="after")
@@ -28,4 +27,4 @@ class PositiveConfig(ScanConfig):
     @property
     def slope(self) -> float:
         """Rise per metre of the steepest floor, as it may look; 0 where the floor is flat."""
-        return math.tan(math.radians(self.steepest + UNSURE_SLOPE)) if self.steepest else 0.0
+        return steepest_rise(self.steepest) if self.steepest else 0.0

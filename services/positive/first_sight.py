@@ -1,7 +1,8 @@
 """The floor where it comes into view, which is not the robot's own when it stands before a ramp.
 
-What is seen first may lie above the floor plane because a ramp began before, nearer than the camera sees, or because it
-is the top of something. A ramp goes on rising as it must have from a foot at or before the robot; a top does not.
+What is seen first may lie above the floor plane because a ramp began nearer than the camera sees, or because it belongs
+to a thing. A ramp goes on rising as it must have from its foot, which lies beyond the camera; a top rises less, and a
+face more.
 """
 
 from __future__ import annotations
@@ -11,7 +12,7 @@ from numba import njit
 
 from common.points import Metres
 
-BASE = np.float32(0.25)  # [m] of floor over which a ramp shows that it goes on rising
+BASE = np.float32(1 / 3)  # of the distance, over which a ramp shows that it goes on rising
 UNEVEN = np.float32(0.004)  # [m] that its points may be off
 
 
@@ -38,10 +39,11 @@ def first_floor(
                 height, seen[column] = above, distance
                 if not floor_band / 2 < height <= slope * distance:
                     break
-            further = distance - seen[column]
-            if further >= BASE:
-                rise = above - height
-                least, most = further * height / seen[column] - UNEVEN, further * slope + UNEVEN
-                level[column] = height if least <= rise <= most else level[column]
+            further, rise = distance - seen[column], above - height
+            if rise > further * slope + UNEVEN:
+                break
+            if further >= seen[column] * BASE:
+                if rise >= further * height / seen[column] - UNEVEN:
+                    level[column] = height
                 break
     return level, seen

@@ -15,15 +15,16 @@ from common.sight import LOOKED, NOTHING, Indices, Ranges, least, sight_of
 from services.positive.first_sight import first_floor
 
 ACROSS = np.float32(0.2)  # [m] of unseen floor over which it may rise
+CLOSE = np.float32(0.02)  # [m] above a ramp, from where on a point is no longer taken for one
 ZERO = np.float32(0.0)
 
 
 def projection(points: Points, grid: Grid, floor_band: float, robot_height: float, slope: float) -> Ranges:
     """Range [m] of the nearest point above the floor and not above the robot, in each beam: (beams,).
 
-    floor_band [m] above it is floor; slope: rise per metre of the steepest floor, 0 for the flat one of the paper;
-    robot_height [m] above the floor plane. +inf where a beam saw floor, or below it, and nothing in the way; NaN where
-    it saw neither: what is higher than the robot tells nothing of what stands below it.
+    floor_band [m] above the floor that was followed is floor; slope: rise per metre of the steepest one, 0 for the flat
+    one of the paper; robot_height [m] above the floor plane. +inf where a beam saw floor, or below it, and nothing in
+    the way; NaN where it saw neither: what is higher than the robot tells nothing of what stands below it.
     """
     sight = sight_of(points.view, grid)
     outward = 1 if points.view.up.rows[0] < points.view.up.rows[1] else -1
@@ -72,6 +73,6 @@ def brought_down(
                 floor = (height <= highest + floor_band) & (height >= -floor_band)
                 here = height if height > ZERO else ZERO
                 here = here if here < highest else highest
-                level[column] = here if floor else lv
+                level[column] = here if floor & (height <= highest + CLOSE) else lv
                 seen[column] = far + (further if floor else ZERO)
     return nearest

@@ -46,7 +46,11 @@ def test_what_is_configured_wins_over_the_profile_wherever_it_stands(file):
 
 def test_a_profile_leaves_the_services_alone_that_it_does_not_name(file):
     assert load("fuse", FuseConfig, file, []) == FuseConfig()
-    assert load("positive", PositiveConfig, None, ["profile=paper"]) == PositiveConfig()
+    assert load("fuse", FuseConfig, None, ["profile=paper"]) == FuseConfig()
+
+
+def test_the_papers_floor_is_flat():
+    assert load("positive", PositiveConfig, None, ["profile=paper"]) == PositiveConfig(steepest=0.0)
 
 
 @pytest.mark.parametrize("profile", ["scissors", "", "Paper", "paper x"])

@@ -80,8 +80,11 @@ def test_any_camera_any_grid_any_noise(height, pitch, roll, beams, view, seed):
     )
     seen = points_of(depth, camera)
     mirror = Grid.between(beams, -grid.angle_max, -grid.angle_min)
-    mirrored = naive.farthest_point(np.ascontiguousarray(depth.T), upright, mirror, BAND)[::-1]
+    turned = np.ascontiguousarray(depth.T)
+    mirrored = naive.farthest_point(turned, upright, mirror, BAND)[::-1]
     assert_allclose(farthest_point(seen, grid, BAND), mirrored, rtol=1e-6)
+    mirrored = naive_positive.projection(turned, upright, mirror, BAND, ROBOT, SLOPE)[::-1]
+    assert_allclose(projection(seen, grid, BAND, ROBOT, SLOPE), mirrored, rtol=1e-6)
 
 
 def test_a_row_of_a_real_size_image_leaves_no_beam_empty():

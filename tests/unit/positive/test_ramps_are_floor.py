@@ -7,7 +7,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from common.depth_codec import RAW
-from common.geometry import FloorPlane, scan_axes
+from common.geometry import Camera, FloorPlane, Intrinsics
 from common.messages import DepthImage
 from services.positive.__main__ import obstacles
 from services.positive.config import PositiveConfig
@@ -22,13 +22,7 @@ def ranges_on_ramp(look, degrees, foot, config=CONFIG, boxes=(), noise=0.0):
     """What is found where a ramp rises at `foot` [m] before the camera, on which boxes stand."""
     pitch, roll = (0.0, math.pi) if look == 180.0 else (math.radians(look), 0.0)
     camera = scenes.camera(160, 120, FloorPlane.from_mount(0.3, pitch, roll))
-    forward, _, up = (axis.table() for axis in scan_axes(camera))
-    slope = math.tan(math.radians(degrees))
-    with np.errstate(divide="ignore", invalid="ignore"):
-        ramp = (camera.floor.d + slope * foot) / (slope * forward - up)
-        ramp = np.where((ramp > 0) & (ramp * forward > foot), ramp, np.inf)
-    depth = scenes.depth(camera, boxes=list(boxes), wall=60.0) / 1000.0
-    depth = np.minimum(np.where(depth > 0.0, depth, np.inf), ramp)
+    depth = scenes.depth(camera, boxes=list(boxes), wall=60.0, ramp=(foot, degrees)) / 1000.0
     depth *= 1.0 + noise * depth * np.random.default_rng(1).normal(size=depth.shape)
     millimetres = np.where(depth < 4.5, np.round(depth * 1000.0), 0.0).astype(np.uint16)
     return obstacles(DepthImage.pack(1, 1, "camera", millimetres, camera, RAW), config).ranges
@@ -70,3 +64,39 @@ def test_the_top_of_a_low_thing_is_no_ramp_where_its_face_is_not_seen(look, heig
     box = (0.3, -2.0, 0.0, 0.5 + length, 2.0, height)
     first_seen = ranges_on_ramp(look, 0.0, 60.0, boxes=[box])
     assert (first_seen < 0.75).all()
+
+
+def narrow(pitch=0.0):
+    """A Kinect, 0.3 m above the floor and pitched [deg], of which there are only a few columns."""
+    lens = Intrinsics(577.0, 577.0, 3.5, 239.5)
+    return Camera(8, 480, lens, (0.4, 6.0), FloorPlane.from_mount(0.3, math.radians(pitch)))
+
+
+def both(camera, **scene):
+    """What is found by default, and on a flat floor, in the beams of a narrow camera."""
+    image = DepthImage.pack(1, 1, "camera", scenes.depth(camera, wall=60.0, **scene), camera, RAW)
+    values = {"beams": 3, "field_of_view": 0.4}
+    default, flat = (PositiveConfig(**values, steepest=steepest) for steepest in (5.0, 0.0))
+    return obstacles(image, default).ranges, obstacles(image, flat).ranges
+
+
+@pytest.mark.parametrize("pitch", [-20.0, -15.0, -10.0, 0.0, 12.0])
+@pytest.mark.parametrize("height", [0.04, 0.05, 0.06, 0.08, 0.12, 0.2])
+def test_a_box_stays_in_the_way_while_the_robot_comes_near(pitch, height):
+    for face in np.arange(0.35, 3.0, 0.015):
+        found, flat = both(narrow(pitch), boxes=[(face, -0.3, 0.0, face + 1.0, 0.3, height)])
+        assert (found <= flat + 0.05).all() or np.isnan(flat).all(), face
+
+
+@pytest.mark.parametrize(("height", "tread"), [(0.025, 0.25), (0.029, 0.3), (0.04, 0.3)])
+def test_low_steps_up_are_no_ramp(height, tread):
+    found, flat = both(narrow(), boxes=[(1.0 + tread * n, -2.0, 0.0, 9.0, 2.0, height * (n + 1)) for n in range(6)])
+    assert_allclose(found, flat, atol=0.01)
+
+
+@pytest.mark.parametrize(("degrees", "height"), [(10.0, 0.08), (12.0, 0.06), (15.0, 0.05), (30.0, 0.04)])
+def test_a_wedge_that_is_steeper_than_a_ramp_is_in_the_way(degrees, height):
+    length, parts = height / math.tan(math.radians(degrees)), 60
+    slices = [(1.2 + length * n / parts, -2.0, 0.0, 9.0, 2.0, height * (n + 1) / parts) for n in range(parts)]
+    found, _ = both(narrow(), boxes=slices)
+    assert (found <= 1.2 + length).all()
