@@ -94,7 +94,7 @@ def measure(inverse: Image, camera: Camera, model: KinectModel, rng: np.random.G
     return millimetres
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def drop_grazing(inverse: Image, fx: float, fy: float, cx: float, cy: float, threshold: float, kept: Image) -> None:
     """Zero in kept what is seen at an angle whose sine is below the threshold.
 
@@ -102,17 +102,19 @@ def drop_grazing(inverse: Image, fx: float, fy: float, cx: float, cy: float, thr
     of the image the outermost pixels have no neighbour, and are taken to be level there.
     """
     rows, cols = inverse.shape
+    rays = (np.arange(cols) - cx) / fx
+    across = np.zeros(cols)  # how the inverse depth changes along a row
     for v in range(rows):
         y = (v - cy) / fy
-        above, here, below = inverse[max(v - 1, 0)], inverse[v], inverse[min(v + 1, rows - 1)]
-        for u in range(cols):
-            x = (u - cx) / fx
-            w = here[u]
-            nx = fx * slope(here[max(u - 1, 0)], w, here[min(u + 1, cols - 1)])
-            ny = fy * slope(above[u], w, below[u])
+        above, here, below, row = inverse[max(v - 1, 0)], inverse[v], inverse[min(v + 1, rows - 1)], kept[v]
+        for u in range(1, cols - 1):
+            across[u] = slope(here[u - 1], here[u], here[u + 1])
+        for u in range(cols):  # without branches, for the processor's vectors
+            x, w = rays[u], here[u]
+            nx, ny = fx * across[u], fy * slope(above[u], w, below[u])
             nz = w - x * nx - y * ny
-            if w * w < threshold * threshold * (nx * nx + ny * ny + nz * nz) * (x * x + y * y + 1.0):
-                kept[v, u] = 0.0
+            lost = w * w < threshold * threshold * (nx * nx + ny * ny + nz * nz) * (x * x + y * y + 1.0)
+            row[u] = np.float32(0.0) if lost else row[u]
 
 
 @njit(cache=True)
