@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 import os
-from collections.abc import Sequence
+from collections.abc import Iterator
 from pathlib import Path
 from typing import get_args
 
@@ -12,6 +12,7 @@ from benchmarks.falls.cases import Case, all_cases, length
 from benchmarks.falls.measure import measure
 from benchmarks.falls.outcome import Outcome
 from benchmarks.falls.perception import Mode
+from benchmarks.falls.process_trial import OVERRIDES, through_processes
 from benchmarks.falls.progress import ProgressLine
 from benchmarks.falls.records import event_record, run_record, write
 from benchmarks.falls.report import report
@@ -35,7 +36,17 @@ def arguments() -> argparse.Namespace:
     parser.add_argument("--seed", type=int, default=0, help="of the first world (0)")
     parser.add_argument("--out", type=Path, default=OUT, help=f"folder of the results ({OUT})")
     parser.add_argument("--only", type=Case.parse, metavar="MODE:SPEED:SEED", help="replay one run, and draw it")
-    return parser.parse_args()
+    parser.add_argument(
+        "--processes",
+        action="store_true",
+        help="through the real services, one run after the other, at the clock's pace",
+    )
+    options = parser.parse_args()
+    if options.processes and options.only:
+        parser.error("--only replays what the processes do not: a run that is the same again")
+    if options.processes and (unknown := set(options.modes) - set(OVERRIDES)):
+        parser.error(f"no services for the mode {', '.join(unknown)}: say --modes {','.join(OVERRIDES)}")
+    return options
 
 
 def speeds(text: str) -> tuple[float, ...]:
@@ -66,15 +77,15 @@ def replay(case: Case, metres: float, out: Path) -> None:
     print(", ".join(f"{key} {value}" for key, value in run_record(outcome).items()))
     for event in outcome.events:
         print(", ".join(f"{key} {value}" for key, value in event_record(outcome, event).items()))
-    picture = out / f"{case.name.replace(':', '-')}.png"
-    draw(outcome, trial.track, trial.robot.world, picture)
+    picture = out / f"{case.file_name}.png"
+    draw(outcome, trial.log.track, trial.robot.world, picture)
     print(picture)
 
 
-def all_of(cases: Sequence[Case], metres: float, jobs: int, out: Path) -> list[Outcome]:
+def noted(runs: Iterator[Outcome], count: int, metres: float, out: Path) -> list[Outcome]:
     """What comes of all runs; the progress is shown, and after each run the files tell of it."""
-    progress, outcomes = ProgressLine(len(cases)), list[Outcome]()
-    for outcome in measure(cases, metres, jobs):
+    progress, outcomes = ProgressLine(count), list[Outcome]()
+    for outcome in runs:
         outcomes.append(outcome)
         progress.done(outcome)
         write(outcomes, out)
@@ -91,7 +102,10 @@ def main() -> None:
         replay(options.only, metres, options.out)
         return
     cases = all_cases(options.modes, options.speeds, options.worlds, options.seed)
-    print(report(all_of(cases, metres, options.jobs, options.out), metres))
+    out = options.out
+    runs = through_processes(cases, metres, out) if options.processes else measure(cases, metres, options.jobs)
+    if outcomes := noted(runs, len(cases), metres, out):
+        print(report(outcomes, metres))
 
 
 if __name__ == "__main__":

@@ -22,6 +22,11 @@ class Case(NamedTuple):
         return f"{self.mode}:{self.speed:g}:{self.seed}"
 
     @property
+    def file_name(self) -> str:
+        """The name, where a colon is no good."""
+        return self.name.replace(":", "-")
+
+    @property
     def world(self) -> str:
         """The simulator's name of its world."""
         return f"random:{self.seed}"

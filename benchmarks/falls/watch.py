@@ -3,14 +3,23 @@
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 from benchmarks.falls.outcome import Event, Kind
-from services.kobuki.sensors import Core
-from simulator.robot import RobotSimulation
 from simulator.world import Pose
 
 STRANDED = 60.0  # [s] in one place, after which the robot will not get away any more
 PLACE, TURN = 0.10, math.radians(20.0)  # [m] and [rad] within which it is one place
+
+
+class Look(NamedTuple):
+    """A robot at one moment, as it truly is."""
+
+    time: float  # [s] since the run began
+    pose: Pose
+    fallen: bool
+    bumps: int  # so far
+    cliff: bool  # whether a cliff sensor tells of one
 
 
 class Watch:
@@ -22,29 +31,28 @@ class Watch:
         self._cliff, self._bumps = False, 0
         self._left, self._left_at = Pose(), 0.0
 
-    def look(self, robot: RobotSimulation, core: Core | None) -> None:
-        """Look at the robot; core: the last packet of its base."""
-        cliff = bool(core and core.cliff)
-        if cliff and not self._cliff:
-            self._note("cliff", robot)
-        if robot.base.bumps > self._bumps and not robot.fallen:
-            self._note("bump", robot)
-        self._cliff, self._bumps = cliff, robot.base.bumps
-        if robot.fallen:
-            self._end("fall", robot)
-        elif self._stranded(robot):
-            self._end("stranded", robot)
+    def look(self, look: Look) -> None:
+        """Look at the robot once more."""
+        if look.cliff and not self._cliff:
+            self._note("cliff", look)
+        if look.bumps > self._bumps and not look.fallen:
+            self._note("bump", look)
+        self._cliff, self._bumps = look.cliff, look.bumps
+        if look.fallen:
+            self._end("fall", look)
+        elif self._stranded(look):
+            self._end("stranded", look)
 
-    def _stranded(self, robot: RobotSimulation) -> bool:
-        x, y, yaw = robot.pose
+    def _stranded(self, look: Look) -> bool:
+        x, y, yaw = look.pose
         away = math.hypot(x - self._left.x, y - self._left.y) > PLACE
         if away or abs(math.remainder(yaw - self._left.yaw, math.tau)) > TURN:
-            self._left, self._left_at = robot.pose, robot.time
-        return robot.time - self._left_at > STRANDED
+            self._left, self._left_at = look.pose, look.time
+        return look.time - self._left_at > STRANDED
 
-    def _end(self, kind: Kind, robot: RobotSimulation) -> None:
-        self._note(kind, robot)
+    def _end(self, kind: Kind, look: Look) -> None:
+        self._note(kind, look)
         self.over = True
 
-    def _note(self, kind: Kind, robot: RobotSimulation) -> None:
-        self.events.append(Event(kind, robot.time, *robot.pose))
+    def _note(self, kind: Kind, look: Look) -> None:
+        self.events.append(Event(kind, look.time, *look.pose))

@@ -8,9 +8,10 @@ import random
 from contextlib import suppress
 from pathlib import Path
 
+from benchmarks.driven import Interrupted
 from benchmarks.faults.faults import known_faults
 from benchmarks.faults.report import table
-from benchmarks.faults.rig import Interrupted, Rig
+from benchmarks.faults.rig import Rig
 from benchmarks.faults.trial import Outcome, run_trial
 from common.service import StopSignal
 from experiments.service_log import ServiceLog
@@ -31,7 +32,7 @@ def arguments() -> argparse.Namespace:
 def trials(count: int, names: list[str], rng: random.Random, stop: StopSignal) -> list[Outcome]:
     """Run so many trials, in rounds of all faults in random order; what is done when told to stop is the result."""
     faults, outcomes, order = known_faults(), list[Outcome](), list[str]()
-    with Rig(stop, rng) as rig, suppress(Interrupted):
+    with suppress(Interrupted), Rig(stop, rng) as rig:
         while len(outcomes) < count:
             order = order or rng.sample(names, len(names))
             name = order.pop()
@@ -53,7 +54,10 @@ def main() -> None:
     logging.basicConfig(level=logging.ERROR)
     asked.out.parent.mkdir(parents=True, exist_ok=True)
     with ServiceLog(asked.out.with_suffix(".log")):
-        found = table(trials(asked.trials, names, random.Random(asked.seed), StopSignal()))
+        outcomes = trials(asked.trials, names, random.Random(asked.seed), StopSignal())
+    if not outcomes:
+        raise SystemExit("ended before the first trial was")
+    found = table(outcomes)
     asked.out.write_text(f"# Faults while driving\n\n{found}\n", encoding="utf-8")
     print(found)
 

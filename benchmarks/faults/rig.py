@@ -2,37 +2,23 @@
 
 from __future__ import annotations
 
-import json
 import os
 import random
 import signal
-import time
-from collections.abc import Callable
 from contextlib import ExitStack
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from types import TracebackType
 from typing import NamedTuple, Self
 
+from benchmarks.driven import DrivenRobot
 from benchmarks.faults.frame_relay import FrameRelay
 from benchmarks.faults.shuttle import START, WORLD, Shuttle
-from cliffscan.system import Plan, System
-from common.base_messages import Velocity
-from common.config import SERVICES
 from common.service import StopSignal
-from common.topics import VELOCITY
-from experiments.collect import free_port
 from simulator.kobuki.client import Remote
 from simulator.world import Pose
 
-STEP = 0.02  # [s] between two looks
-STARTING = 60.0  # [s]
 TURNING, ONCE = 0.6, 13.0  # [rad/s], [s]
-RATE = 10.0  # [Hz] of the frames
-
-
-class Interrupted(Exception):
-    """The benchmark was told to end."""
 
 
 class Sample(NamedTuple):
@@ -56,21 +42,13 @@ class Rig:
 
     def __enter__(self) -> Self:
         with ExitStack() as entered:
-            folder = Path(entered.enter_context(TemporaryDirectory(prefix="faults-")))
-            start = [*map(str, START[:2]), "0"]
-            options = ["--frames", f"{folder}/frames", "--start", *start]
-            listen = [f"tcp/127.0.0.1:{free_port()}"]
-            plan = Plan(
-                f"faults-{os.getpid()}", listen, overrides=[f"capture.rate={RATE}"], world=WORLD, simulation=options
-            )
-            self.system = entered.enter_context(System(plan, self._stop))
-            here = Path(self.system.plan.folder)
-            self.remote = Remote(here / "control")
-            self._wait(lambda: (folder / "frames").is_socket() and (here / "control").is_socket(), "the simulation")
-            self.relay = FrameRelay(f"{folder}/frames", f"{here}/frames")
+            frames = Path(entered.enter_context(TemporaryDirectory(prefix="faults-"))) / "frames"
+            options = ["--frames", str(frames), "--start", *map(str, START[:2]), "0"]
+            self._robot = entered.enter_context(DrivenRobot("faults", WORLD, self._stop, options))
+            self._robot.wait(frames.is_socket, "the simulation")
+            self.relay = FrameRelay(str(frames), str(self._robot.folder / "frames"))
             entered.callback(self.relay.close)
-            self._velocity = self.system.bus.publisher(VELOCITY)
-            self._wait(lambda: self.system.alive.issuperset(SERVICES), "the services")
+            self._robot.ready()
             self._exit = entered.pop_all()
         return self
 
@@ -80,24 +58,26 @@ class Rig:
         self._exit.close()
 
     @property
+    def remote(self) -> Remote:
+        """The base's control socket."""
+        return self._robot.remote
+
+    @property
     def speed(self) -> float:
         """How fast the driver wants to go [m/s]."""
         return self._shuttle.speed
 
     def step(self) -> Sample:
         """Look after the processes, look where the robot is, and drive on. Raises Interrupted."""
-        self.system.poll()
-        if self._stop.wait(STEP):
-            raise Interrupted
+        self._robot.pause()
         sample = self.look()
         if not self.quiet:
-            linear, angular = (0.0, TURNING) if self._turning else self._shuttle.command(sample.pose)
-            self._velocity.put(Velocity(stamp=time.time_ns(), linear=linear, angular=angular))
+            self._robot.drive(*((0.0, TURNING) if self._turning else self._shuttle.command(sample.pose)))
         return sample
 
     def look(self) -> Sample:
         """Where the robot is now."""
-        told = json.loads(self.remote.tell("truth"))
+        told = self._robot.truth()
         rims = self.remote.state()["speeds"]
         return Sample(told["time"], Pose(*told["pose"]), (rims["left"] + rims["right"]) / 2, told["fallen"])
 
@@ -114,19 +94,10 @@ class Rig:
 
     def send(self, name: str, number: signal.Signals) -> None:
         """Send a signal to a process."""
-        os.kill(self.system.supervisor.children[name].pid, number)
+        os.kill(self._robot.system.supervisor.children[name].pid, number)
 
     def start(self, name: str) -> None:
         """Start a process that was told to end."""
-        plan = self.system.plan
+        plan = self._robot.system.plan
         commands = {"router": plan.router(), "capture": plan.capture(), **plan.base_processes()}
-        self.system.supervisor.start(name, commands.get(name) or plan.service(name))
-
-    def _wait(self, holds: Callable[[], bool], what: str) -> None:
-        deadline = time.monotonic() + STARTING
-        while not holds():
-            self.system.poll()
-            if self._stop.wait(STEP):
-                raise SystemExit
-            if time.monotonic() > deadline:
-                raise TimeoutError(f"{what} did not start within {STARTING:.0f} s")
+        self._robot.system.supervisor.start(name, commands.get(name) or plan.service(name))

@@ -48,7 +48,7 @@ def test_a_run_is_the_same_again(mode):
     first, again = (Trial(Case(mode, 0.35, 3)) for _ in range(2))
     first.run(4.0)
     again.run(4.0)
-    assert first.track == again.track
+    assert first.log.track == again.log.track
     assert math.hypot(first.robot.pose.x, first.robot.pose.y) > 0.1
 
 
@@ -56,7 +56,7 @@ def test_another_seed_is_another_run():
     one, other = (Trial(Case("positive", 0.35, seed)) for seed in (3, 4))
     one.run(2.0)
     other.run(2.0)
-    assert one.track != other.track
+    assert one.log.track != other.log.track
 
 
 def test_floor_ends_at_holes_and_walls():
