@@ -191,10 +191,9 @@ def test_a_touch_is_undone_by_no_scan_but_forgiven():
 
 def test_to_forgive_a_touch_is_not_to_forget_what_was_seen_there():
     ground = Ground(HERE, 0.5)
-    for order in ("touch first", "see first"):
-        point = np.array([[1.0 if order == "see first" else 1.2], [0.0]])
-        if order == "touch first":
-            ground.touch(point)
+    touched_first, seen_first = np.array([[1.2], [0.0]]), np.array([[1.0], [0.0]])
+    ground.touch(touched_first)
+    for point in (touched_first, seen_first):
         ground.occupy(point)
         ground.touch(point)
     ground.forgive()
