@@ -13,6 +13,7 @@ from tempfile import TemporaryDirectory
 from types import TracebackType
 from typing import Literal, Self
 
+from cliffscan import preflight
 from cliffscan.supervisor import Supervisor
 from common import config as configuration
 from common.bus import Bus, Network, NotConnected
@@ -62,8 +63,7 @@ class Plan:
         """A service's command line, with the overrides that are its own."""
         words = ["--robot", self.robot, "--mode", "client", "--connect", self.endpoint]
         words += ["--config", str(self.config)] if self.config else []
-        for override in self.overrides:
-            words += ["--set", override] if meant_for(name, override) else []
+        words += [word for override in self.own(name) for word in ("--set", override)]
         return [sys.executable, "-m", f"services.{name}", *words]
 
     def capture(self) -> list[str]:
@@ -71,45 +71,60 @@ class Plan:
         simulated = ["capture.source=simulator", f"capture.simulation={self.folder}/frames"] if self.world else []
         return [*self.service("capture"), *(word for each in simulated for word in ("--set", each))]
 
+    @property
+    def port(self) -> Path | None:
+        """The port of a base that is started too."""
+        return Path(self.folder) / "kobuki" if self.world or self.base == "emulated" else None
+
     def base_processes(self) -> dict[str, list[str]]:
-        """The command lines of the base's processes by name."""
+        """The command lines of the base's processes by name, the base itself first."""
         if self.base == "none" and not self.world:
             return {}
         if self.base == "real":
             return {"kobuki": self.service("kobuki")}
-        kobuki = {"kobuki": [*self.service("kobuki"), "--set", f"kobuki.port={self.folder}/kobuki"]}
-        ends = ["--link", f"{self.folder}/kobuki", "--control", f"{self.folder}/control"]
+        kobuki = {"kobuki": [*self.service("kobuki"), "--set", f"kobuki.port={self.port}"]}
+        ends = ["--link", str(self.port), "--control", f"{self.folder}/control"]
         if self.world:
             return {"simulation": [sys.executable, "-m", "simulator", *self._simulation(), *ends], **kobuki}
         return {"base": [sys.executable, "-m", "simulator.kobuki", *ends], **kobuki}
 
     def _simulation(self) -> list[str]:
         """The simulation's options: its camera is capture's. Raises ConfigError."""
-        own = [override for override in self.overrides if meant_for("capture", override)]
-        camera = configuration.load("capture", CaptureConfig, self.config, own)
+        camera = configuration.load("capture", CaptureConfig, self.config, self.own("capture"))
         mount = ["--height", camera.height, "--pitch", camera.pitch, "--roll", camera.roll]
         ends = ["--world", self.world, "--frames", f"{self.folder}/frames"]
         return [*ends, *map(str, mount), "--rate", str(camera.rate), "--seed", str(camera.seed), *self.simulation]
 
+    def own(self, service: str) -> list[str]:
+        """The overrides that are meant for a service."""
+        return [override for override in self.overrides if meant_for(service, override)]
+
     def check(self) -> None:
-        """Raise ConfigError for an override that is no service's, or a world beside a real base."""
+        """Raise ConfigError for what a process would refuse, before any is started."""
         if self.world and self.base == "real":
             raise ConfigError("a simulated world has no place for a real base")
         for override in self.overrides:
             if not any(meant_for(service, override) for service in SERVICES):
                 raise ConfigError(f"--set {override}: expected SERVICE.KEY=VALUE, SERVICE one of {', '.join(SERVICES)}")
+        for service in SERVICES:
+            preflight.check_config(service, self.config, self.own(service))
+        if self.world:
+            preflight.check_world(self.world)
 
 
 class System:
     """A context manager: entering starts the router and the services, leaving ends them all.
 
-    poll() is to be called a few times a second; it starts capture when the others are ready, and what died again.
+    poll() is to be called a few times a second; it starts capture when the others are ready, the base's service when
+    its port is there, and what died again.
     """
 
     bus: Bus
 
     def __init__(self, plan: Plan, stop: StopSignal) -> None:
         plan.check()
+        for end in plan.listen:
+            preflight.check_free(end)
         self.alive: set[str] = set()
         self.supervisor = Supervisor()
         self.plan = plan
@@ -126,8 +141,8 @@ class System:
             self.bus.watch_alive(self._changed)
             for name in FIRST:
                 self.supervisor.start(name, self.plan.service(name))
-            for name, command in self.plan.base_processes().items():
-                self.supervisor.start(name, command)
+            self._base = self.plan.base_processes()
+            self._start_base()
             self._exit = entered.pop_all()
         return self
 
@@ -140,7 +155,16 @@ class System:
         """Look after the processes. Raises ConfigRefused."""
         if LAST not in self.supervisor.children and self.alive.issuperset(FIRST):
             self.supervisor.start(LAST, self.plan.capture())
+        self._start_base()
         self.supervisor.poll()
+
+    def _start_base(self) -> None:
+        """Start the base's processes; its service as soon as the port of a base that is started here is there."""
+        port = self.plan.port
+        for name, command in self._base.items():
+            waits = name == "kobuki" and port is not None and not port.exists()
+            if not waits and name not in self.supervisor.children:
+                self.supervisor.start(name, command)
 
     def _connect(self) -> Bus:
         """The bus, when the router answers. Raises ConfigRefused where the router cannot listen."""

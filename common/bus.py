@@ -63,7 +63,7 @@ class Network:
             "connect/endpoints": self.connect,
             "listen/endpoints": self.listen,
         }
-        if self.connect or self.listen:
+        if self.connect or (self.listen and self.mode != "router"):  # a router answers whoever looks for one
             named["scouting/multicast/enabled"] = False
         return {key: value for key, value in named.items() if value not in (None, [])}
 
@@ -118,7 +118,7 @@ class Bus:
     def subscribe(self, path: str, receive: Callable[[str, bytes], object]) -> None:
         """Call `receive(path, payload)` for every sample on `path` below the robot's name; `*` and `**` are wild.
 
-        The calls come one after another from a thread of the subscription's own.
+        The calls come one after another from a thread of the subscription's own. Raises BusError for what is no path.
         """
         prefix = len(self.robot) + 1
 
@@ -126,7 +126,10 @@ class Bus:
             if sample.kind == zenoh.SampleKind.PUT:
                 receive(str(sample.key_expr)[prefix:], sample.payload.to_bytes())
 
-        self._session.declare_subscriber(f"{self.robot}/{path}", deliver)
+        try:
+            self._session.declare_subscriber(f"{self.robot}/{path}", deliver)
+        except zenoh.ZError as error:
+            raise BusError(f"{path!r} is no key: {_first_line(error)}") from error
 
     def answer(self, path: str, reply: Callable[[dict[str, Any]], dict[str, Any]]) -> None:
         """Answer every request at `path` below the robot's name with the map that `reply` makes of its parameters."""

@@ -79,7 +79,7 @@ def _read_tables(file: Path) -> dict[str, Any]:
     try:
         tables = tomllib.loads(file.read_text("utf-8"))
     except (OSError, ValueError, RecursionError) as error:
-        raise ConfigError(f"{file}: {error}") from error
+        raise ConfigError(f"{file}: {getattr(error, 'strerror', None) or error}") from error
     for name, table in tables.items():
         if name == PROFILE:
             _profile(table, str(file))

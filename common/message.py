@@ -21,12 +21,15 @@ def explain(error: ValidationError) -> str:
     """What is wrong, on one short line: `field: what was expected`."""
     details = error.errors(include_input=False, include_url=False)
     told = [
-        ": ".join(
-            filter(None, (_short(".".join(map(str, each["loc"]))), _short(each["msg"].removeprefix("Value error, "))))
-        )
+        ": ".join(filter(None, (_short(".".join(map(str, each["loc"]))), _short(_reason(each["type"], each["msg"])))))
         for each in details[:TOLD]
     ]
     return "; ".join(told) + (f"; and {len(details) - TOLD} more" if len(details) > TOLD else "")
+
+
+def _reason(kind: str, message: str) -> str:
+    """What pydantic says, in the words of who wrote the field."""
+    return "is not known here" if kind == "extra_forbidden" else message.removeprefix("Value error, ")
 
 
 def _short(text: str) -> str:

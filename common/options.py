@@ -12,7 +12,9 @@ from common.topics import ROBOT_NAME
 def robot_name(text: str) -> str:
     """A name that can begin a key."""
     if not ROBOT_NAME.fullmatch(text):
-        raise argparse.ArgumentTypeError(f"{text!r} is no robot name: letters, digits, _ . - only")
+        raise argparse.ArgumentTypeError(
+            f"{text!r} is no robot name: letters, digits and _ . - in parts with / between"
+        )
     return text
 
 

@@ -68,9 +68,13 @@ def main() -> None:
             if frames:
                 opened.callback(frames.close)
             live = Live(simulation, frames, arguments.rate)
+            server = (
+                ControlServer(arguments.control) if arguments.control else None
+            )  # first: another may be at work here
+            if server:
+                opened.callback(server.close)
             cable = Cable(arguments.link)
             opened.callback(cable.close)
-            server = ControlServer(arguments.control) if arguments.control else None
         except (ValueError, WireError, OSError, CableError, ServerError) as error:
             opened.close()
             parser.exit(USAGE_ERROR, f"simulator: {error}\n")

@@ -52,11 +52,12 @@ def make_base(arguments: argparse.Namespace) -> Base:
 
 def open_runner(base: Base, arguments: argparse.Namespace) -> Runner:
     """The base on its port. Raises CableError or ServerError where a path cannot be used."""
-    cable = Cable(arguments.link)
+    server = ControlServer(arguments.control) if arguments.control else None  # first: another base may be at work here
     try:
-        return Runner(base, cable, ControlServer(arguments.control) if arguments.control else None)
-    except ServerError:
-        cable.close()
+        return Runner(base, Cable(arguments.link), server)
+    except CableError:
+        if server:
+            server.close()
         raise
 
 
@@ -73,17 +74,18 @@ def main() -> None:
     parser = options()
     arguments = parser.parse_args()
     stop = stop_signal()
-    logging.basicConfig(level=logging.INFO, format="%(asctime)s %(levelname)s kobuki: %(message)s")
+    logging.basicConfig(level=logging.INFO, format="%(asctime)s %(levelname)s base: %(message)s")
     try:
         base = make_base(arguments)
     except ValueError as error:
-        parser.exit(USAGE_ERROR, f"kobuki: {error}\n")
+        parser.exit(USAGE_ERROR, f"base: {error}\n")
     try:
         with open_runner(base, arguments) as runner:
-            log.info("ready: %s is %s", arguments.link, runner.cable.device)
+            where = f", control at {arguments.control}" if arguments.control else ""
+            log.info("ready: %s is %s%s", arguments.link, runner.cable.device, where)
             run(runner, stop)
     except (CableError, ServerError) as error:
-        parser.exit(USAGE_ERROR, f"kobuki: {error}\n")
+        parser.exit(USAGE_ERROR, f"base: {error}\n")
     log.info("ended after %d packets", base.firmware.packets)
 
 

@@ -83,7 +83,7 @@ def test_up_refuses_what_a_service_refuses(client, run):
     process = run(cliffscan("up", "--robot", client.robot, "--listen", free_endpoint(), "--set", "negative.beams=none"))
     process.expected = 2
     assert process.end() == 2
-    assert "negative: negative.beams" in process.said
+    assert "cliffscan: negative.beams: " in process.said
 
 
 def test_up_refuses_a_setting_of_no_service():
@@ -92,8 +92,23 @@ def test_up_refuses_a_setting_of_no_service():
     assert refused.stderr.strip().count("\n") == 0
 
 
-def test_up_ends_where_its_router_cannot_listen(client, run):
-    process = run(cliffscan("up", "--robot", client.robot, "--listen", client.endpoint))
-    process.expected = 2
-    assert process.end() == 2
-    assert "Address already in use" in process.said or "in use" in process.said
+def test_up_starts_nothing_where_another_router_listens(client):
+    refused = ask("up", "--robot", client.robot, "--listen", client.endpoint)
+    assert refused.returncode == 2
+    assert refused.stderr == f"cliffscan: {client.endpoint}: Address already in use; does cliffscan run already?\n"
+
+
+def test_a_router_is_found_without_being_named(client, run):
+    """By those who say nothing of the network, as the README's commands and its little programs."""
+    run(cliffscan("router", "--robot", client.robot, "--listen", free_endpoint()))
+    for _ in range(20):  # each waits for a second
+        if ask("alive", "router", "--robot", client.robot).returncode == 0:
+            return
+    pytest.fail("not found")
+
+
+def test_echo_refuses_what_is_no_key(place):
+    refused = ask("echo", "scan//fused", *place)
+    assert refused.returncode == 2
+    assert refused.stderr.startswith("cliffscan: 'scan//fused' is no key: ")
+    assert refused.stderr.count("\n") == 1

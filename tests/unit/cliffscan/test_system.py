@@ -1,6 +1,7 @@
 """What is started for a whole system, word by word."""
 
 import argparse
+import socket
 import sys
 from itertools import pairwise
 from pathlib import Path
@@ -8,6 +9,7 @@ from pathlib import Path
 import pytest
 
 from cliffscan.cli import build_parser
+from cliffscan.preflight import check_free
 from cliffscan.system import Plan
 from common import options
 from common.config import SERVICES, ConfigError
@@ -49,8 +51,8 @@ def test_a_service_reaches_a_router_that_listens_anywhere(listen, endpoint):
 
 def test_a_service_gets_the_configuration_and_its_own_overrides():
     overrides = ["capture.rate=5", "fuse.timeout=1", "capture.path=/a b", "negative.beams=2"]
+    Plan(overrides=overrides).check()
     plan = Plan(config=Path("/etc/robot.toml"), overrides=overrides)
-    plan.check()
     command = plan.service("capture")
     assert option(command, "--config") == ["/etc/robot.toml"]
     assert option(command, "--set") == ["capture.rate=5", "capture.path=/a b"]
@@ -89,6 +91,30 @@ def test_an_override_is_refused_at_once_or_by_its_service(override):
     except ConfigError:
         return
     assert option(plan.service(override.split(".")[0]), "--set") == [override]
+
+
+@pytest.mark.parametrize(
+    ("plan", "why"),
+    [
+        (Plan(overrides=["negative.foo=1"]), "negative.foo: is not known here"),
+        (Plan(overrides=["capture.rate=fast"]), "capture.rate: Input should be a valid number"),
+        (Plan(config=Path("/nowhere/robot.toml")), "/nowhere/robot.toml: No such file or directory"),
+        (Plan(world="atlantis"), "no world is named 'atlantis'"),
+        (Plan(world="random:x"), "no world is named 'random:x'"),
+    ],
+)
+def test_what_a_process_would_refuse_is_refused_before_any_is_started(plan, why):
+    with pytest.raises(ConfigError, match=f"^{why}"):
+        plan.check()
+
+
+def test_an_endpoint_that_is_taken_is_refused():
+    with socket.create_server(("127.0.0.1", 0)) as other:
+        taken = f"tcp/127.0.0.1:{other.getsockname()[1]}"
+        with pytest.raises(ConfigError, match=f"^{taken}: Address already in use; does cliffscan run already"):
+            check_free(taken)
+    check_free(taken)
+    check_free("udp/127.0.0.1:1")
 
 
 def test_a_world_takes_the_place_of_base_and_camera():

@@ -1,0 +1,46 @@
+"""What can be known to be wrong before any process is started."""
+
+from __future__ import annotations
+
+import os
+import socket
+from collections.abc import Sequence
+from contextlib import suppress
+from importlib import import_module
+from pathlib import Path
+
+from common import config as configuration
+from common.config import ConfigError
+
+
+def check_config(service: str, file: Path | None, overrides: Sequence[str]) -> None:
+    """Raise ConfigError where a service would refuse its configuration, or cannot run here."""
+    try:
+        kind = getattr(import_module(f"services.{service}.config"), f"{service.title()}Config")
+    except ImportError as error:
+        raise ConfigError(f"{service} cannot run here: {error}; install cliffscan[all]") from error
+    configuration.load(service, kind, file, overrides)
+
+
+def check_world(name: str) -> None:
+    """Raise ConfigError where the simulator knows no world of that name, or is not there."""
+    try:
+        import_module("simulator.world").world_source(name)
+    except (ImportError, ValueError) as error:
+        raise ConfigError(str(error)) from error
+
+
+def check_free(endpoint: str) -> None:
+    """Raise ConfigError where somebody listens at a TCP endpoint already: what is started would join that router."""
+    protocol, _, address = endpoint.partition("#")[0].partition("/")
+    host, _, port = address.rpartition(":")
+    if protocol != "tcp" or not port.isdecimal():
+        return  # the router says what is wrong
+    with suppress(socket.gaierror):
+        for family, *_, where in socket.getaddrinfo(host.strip("[]"), int(port), type=socket.SOCK_STREAM):
+            try:
+                socket.create_server(where[:2], family=family).close()
+            except OSError as error:
+                raise ConfigError(
+                    f"{endpoint}: {os.strerror(error.errno or 0)}; does cliffscan run already?"
+                ) from error
