@@ -37,7 +37,9 @@ def build_parser() -> argparse.ArgumentParser:
     parser.add_argument("--slam", choices=get_args(Mapper), default="odometry_map", help="what maps (%(default)s)")
     parser.add_argument("--route", type=route, default=ROUND, metavar="'X,Y ...'", help="way points [m] of the drive")
     parser.add_argument("--film", type=Path, metavar="FILE", help="make an animated GIF of the drive")
-    parser.add_argument("--out", type=Path, default=Path("out"), metavar="DIR", help="where to write (default out)")
+    parser.add_argument(
+        "--out", type=Path, default=Path("out"), metavar="DIR", help="where to write (default: out beside demo)"
+    )
     parser.add_argument(
         "--set", action="append", default=[], metavar="SERVICE.KEY=VALUE", help="override a service's configuration"
     )
@@ -69,6 +71,7 @@ def main() -> None:
     run = Run(Console(), stop, arguments.out, [EVERY_METHOD, *arguments.set])
     try:
         arguments.out.mkdir(parents=True, exist_ok=True)
+        run.log_file.unlink(missing_ok=True)
     except OSError as error:
         parser.error(f"--out: {error}")
     try:

@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.patches import Circle, Polygon
+from matplotlib.ticker import MaxNLocator
 
 from common.geometry import Floats
 from common.messages import LaserScan
@@ -18,6 +19,7 @@ from simulator.truth import Outline
 
 ROBOT = 0.177  # [m] radius of a TurtleBot 2
 FILLS = {"lower": colours.LOWER, "floor": colours.FLOOR, "obstacle": colours.WALL, "overhead": colours.OVERHEAD}
+TICKS = 6  # intervals between the labels aside
 MARGIN = 1.15
 LEAST = 1.0  # [m] ahead that is shown at least
 NARROWEST = 0.55  # aside, as a share of ahead: what fills a panel
@@ -56,6 +58,7 @@ def prepare(axes: Axes, extent: Extent) -> None:
     axes.set_aspect("equal")
     axes.set_xlim(extent.aside, -extent.aside)
     axes.set_ylim(-0.06 * extent.ahead - ROBOT, extent.ahead)
+    axes.xaxis.set_major_locator(MaxNLocator(TICKS))
     axes.set_xlabel("y [m], to the left")
     axes.set_ylabel("x [m], ahead")
     axes.grid(color="white", linewidth=0.5, alpha=0.6)

@@ -95,7 +95,8 @@ def run_worlds(run: Run, names: Sequence[str], frames: int) -> None:
             task = progress.add_task(f"{world.name}: drawing", total=None)
             world_pictures(run.out, world, goal.frames[0], run.bands())
             progress.remove_task(task)
-    run.tell(edge_table(scores, frames), "edges.md", born)
+    methods = run.config("negative", NegativeConfig).methods
+    run.tell(edge_table(scores, frames, methods), "edges.md", born)
 
 
 def run_folder(run: Run, folder: Path) -> None:

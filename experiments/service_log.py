@@ -17,7 +17,7 @@ QUIET = ("DEBUG", "INFO")
 
 
 class ServiceLog:
-    """A context manager: within it, all that this process and its children write to stderr goes into a file."""
+    """A context manager: within it, all that this process and its children write to stderr is added to a file."""
 
     def __init__(self, path: Path) -> None:
         self.path = path
@@ -26,9 +26,10 @@ class ServiceLog:
     def __enter__(self) -> Self:
         sys.stderr.flush()
         self._stderr = os.dup(STDERR)
-        with self.path.open("w") as written:
+        with self.path.open("a") as written:
             os.dup2(written.fileno(), STDERR)
         self._written = self.path.open(encoding="utf-8", errors="replace")
+        self._written.seek(0, os.SEEK_END)
         self._line = ""
         return self
 

@@ -60,6 +60,7 @@ def world_legend() -> list[Artist]:
         Patch(color=colours.FLOOR, label="floor"),
         Patch(color=colours.LOWER, label="hole, lower ground"),
         Patch(color=colours.WALL, label="wall, obstacle"),
+        Patch(color=colours.OVERHEAD, label="overhead: passed under"),
     ]
 
 

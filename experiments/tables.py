@@ -50,15 +50,16 @@ class Table(NamedTuple):
         return "\n".join([f"# {self.title}", "", *lines, "", self.note])
 
 
-def edge_table(scores: Mapping[str, Mapping[str, Score]], frames: int) -> Table:
-    """How well each scan finds the edge of the hole, by world and scan."""
+def edge_table(scores: Mapping[str, Mapping[str, Score]], frames: int, methods: Sequence[str]) -> Table:
+    """How well each scan finds the edge of the hole, by world and scan; methods: those that `negative` combined."""
     rows = [
         (world, scan, _metres(each.median), _metres(each.percentile95), *map(_percent, each[2:]))
         for world, by_scan in scores.items()
         for scan, each in by_scan.items()
     ]
     title = f"Where the floor ends, against the truth: {frames} frames of each world"
-    return Table(title, EDGE_HEADINGS, rows, 2, DEFINITIONS)
+    combined = f"`negative`, and with it `fused`, combined {', '.join(methods)}:\nthey are as false as any of these.\n"
+    return Table(title, EDGE_HEADINGS, rows, 2, f"{combined}\n{DEFINITIONS}")
 
 
 def census_table(title: str, counts: Mapping[str, Census]) -> Table:

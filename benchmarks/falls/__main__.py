@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import math
 import os
 from collections.abc import Iterator
 from pathlib import Path
@@ -27,7 +28,7 @@ def arguments() -> argparse.Namespace:
     """The options."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks.falls", description=__doc__)
     parser.add_argument(
-        "--minutes", type=float, default=1000.0, help="to simulate in each mode, if nobody falls (1000)"
+        "--minutes", type=minutes, default=1000.0, help="to simulate in each mode, if nobody falls (1000)"
     )
     parser.add_argument("--worlds", type=int, default=60, help="how many, shared by the speeds (60)")
     parser.add_argument("--speeds", type=speeds, default=SPEEDS, help="[m/s], with commas between (0.2,0.35,0.5)")
@@ -47,6 +48,14 @@ def arguments() -> argparse.Namespace:
     if options.processes and (unknown := set(options.modes) - set(OVERRIDES)):
         parser.error(f"no services for the mode {', '.join(unknown)}: say --modes {','.join(OVERRIDES)}")
     return options
+
+
+def minutes(text: str) -> float:
+    """A time span [min]. Raises ArgumentTypeError for what is none."""
+    value = float(text)
+    if not 0.0 < value < math.inf:
+        raise argparse.ArgumentTypeError(f"{text} minutes, expected more than 0")
+    return value
 
 
 def speeds(text: str) -> tuple[float, ...]:

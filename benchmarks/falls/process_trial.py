@@ -99,6 +99,8 @@ def through_processes(cases: Sequence[Case], metres: float, out: Path) -> Iterat
     stop = StopSignal()
     with suppress(Interrupted):
         for case in cases:
-            with ServiceLog(out / f"{case.file_name}.log"):
+            log = out / f"{case.file_name}.log"
+            log.unlink(missing_ok=True)
+            with ServiceLog(log):
                 outcome = ProcessTrial(case, stop).run(metres / case.speed)
             yield outcome

@@ -44,7 +44,7 @@ def line(mode: str, speed: str, outcomes: Sequence[Outcome]) -> tuple[str, ...]:
     )
     shares = [outcome.visited for outcome in outcomes]
     return (
-        *(mode, speed, str(len(outcomes)), f"{seconds / 60:.0f}"),
+        *(mode, speed, str(len(outcomes)), f"{seconds / 60:.1f}"),
         *(str(falls), f"{falls / seconds * 60_000:.1f}", str(cliffs), str(bumps), str(stranded)),
         *(percent(sum(o.visited * o.area for o in outcomes) / sum(o.area for o in outcomes), 0),),
         *(percent(float(np.median(shares)), 0), percent(min(shares), 0)),

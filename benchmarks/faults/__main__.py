@@ -53,7 +53,9 @@ def main() -> None:
         raise SystemExit(f"no such fault: {', '.join(unknown)}")
     logging.basicConfig(level=logging.ERROR)
     asked.out.parent.mkdir(parents=True, exist_ok=True)
-    with ServiceLog(asked.out.with_suffix(".log")):
+    log = asked.out.with_suffix(".log")
+    log.unlink(missing_ok=True)
+    with ServiceLog(log):
         outcomes = trials(asked.trials, names, random.Random(asked.seed), StopSignal())
     if not outcomes:
         raise SystemExit("ended before the first trial was")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import math
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -48,7 +49,7 @@ def read(program: str, text: str | None, words: Sequence[str] | None = None) -> 
 def _parser(program: str, text: str | None) -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(prog=program, description=text)
     add = parser.add_argument
-    add("--robot", default="turtlebot", metavar="NAME", help="prefix of its keys (%(default)s)")
+    add("--robot", default="turtlebot", type=_robot, metavar="NAME", help="prefix of its keys (%(default)s)")
     add("--connect", action="append", default=[], metavar="ENDPOINT", help="as tcp/127.0.0.1:7447; repeatable")
     add("--listen", action="append", default=[], metavar="ENDPOINT", help="as tcp/0.0.0.0:7448; repeatable")
     add("--mode", choices=("peer", "client", "router"), help="Zenoh mode (peer)")
@@ -84,6 +85,12 @@ def _length(text: str) -> float:
     if value <= 0:
         raise argparse.ArgumentTypeError(f"{text}, expected more than 0")
     return value
+
+
+def _robot(text: str) -> str:
+    if not re.fullmatch(r"[\w.-]+(/[\w.-]+)*", text, re.ASCII):
+        raise argparse.ArgumentTypeError(f"{text!r} can begin no key")
+    return text
 
 
 def _name(text: str) -> str:

@@ -45,8 +45,9 @@ class Fuser:
         tally = self._service.tally
         extras = self._fresh(pair.positive.stamp)
         missing = self._inputs.keys() - extras.keys()
+        self._service.note = f"no fresh scan of {', '.join(sorted(missing))}" if missing else ""
         if missing:
-            tally.complain("incomplete", f"stamp {pair.positive.stamp}: no fresh scan of {', '.join(sorted(missing))}")
+            tally.complain("incomplete", f"stamp {pair.positive.stamp}: {self._service.note}")
             return
         try:
             self._publisher.put(fuse(pair, extras))

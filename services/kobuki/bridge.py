@@ -179,7 +179,10 @@ class Bridge:
         now = time.monotonic()
         pose = self._history.at(scan.stamp)
         if pose is None:
-            self._service.tally.complain("scan_unplaced", f"stamp {scan.stamp}: not known where the robot was then")
+            if self._history.full:
+                self._service.tally.complain("scan_unplaced", f"stamp {scan.stamp}: not known where the robot was then")
+            else:  # it is older than the odometry, which has begun just now or not yet
+                self._service.tally.count("scan_unplaced")
             return
         taken = now - (time.time_ns() - scan.stamp) * 1e-9
         self._safety.see(Scan.of(scan), pose, taken, now)

@@ -27,6 +27,11 @@ class PoseHistory:
         self._stamps.append(stamp)
         self._poses.append(pose)
 
+    @property
+    def full(self) -> bool:
+        """Whether it reaches as far back as it ever does."""
+        return len(self._stamps) == ROOM
+
     def at(self, stamp: int) -> Pose | None:
         """The pose at `stamp`, between two known ones or the last; None before the first and long after the last."""
         if not self._stamps or not self._stamps[0] <= stamp <= self._stamps[-1] + AHEAD:

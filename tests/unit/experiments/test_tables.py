@@ -12,7 +12,7 @@ NAN = math.nan
 
 def test_the_edge_table():
     scores = {"paper_room": {"virtual_floor": Score(-0.0124, 0.5, 0.25, 1.0, NAN)}}
-    table = edge_table(scores, 30)
+    table = edge_table(scores, 30, ("near_edge",))
     assert table.rows == [("paper_room", "virtual_floor", "-0.012", "+0.500", "25.0 %", "100.0 %", "-")]
     text = table.markdown()
     assert "| world | scan | median [m] | 95 % [m] | missed | late | false |" in text
@@ -31,7 +31,11 @@ def test_the_census_table():
 
 def test_the_terminal_shows_every_cell_and_no_heading_is_taken_for_markup():
     console = Console(width=80, record=True, quiet=True)
-    table = edge_table({"paper_room_open": {"farthest_point": Score(2.8741, 3.155, 0.0, 0.55, 0.0)}}, 30)
+    table = edge_table(
+        {"paper_room_open": {"farthest_point": Score(2.8741, 3.155, 0.0, 0.55, 0.0)}},
+        30,
+        ("farthest_point", "virtual_floor"),
+    )
     with console.capture() as said:
         console.quiet = False
         console.print(table.rich())

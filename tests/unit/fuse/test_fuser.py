@@ -123,6 +123,11 @@ def test_without_its_extra_input_no_frame_is_published(rig, caplog):
     assert rig.said == []
     assert rig.counts == {"incomplete": 1}
     assert "stamp 7: no fresh scan of lidar" in caplog.text
+    assert rig.service.note == "no fresh scan of lidar"
+    rig.take("lidar", 8)
+    rig.take("negative", 8)
+    rig.take("positive", 8)
+    assert rig.service.note == ""
 
 
 def test_the_newest_of_an_extra_input_counts(rig):

@@ -41,6 +41,8 @@ def test_the_oldest_are_forgotten():
     history = a_history(*((stamp, (stamp, 0, 0)) for stamp in range(ROOM + 10)))
     assert history.at(9) is None
     assert history.at(10).x == 10
+    assert history.full
+    assert not a_history(*((stamp, (0, 0, 0)) for stamp in range(ROOM - 1))).full
 
 
 @pytest.mark.parametrize("stamp", [100, 50])
