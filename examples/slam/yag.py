@@ -15,15 +15,17 @@ from examples.slam.wire import Map, Scan
 
 STEP, TURN = 0.3, 0.17  # [m], [rad] the robot moves between two scans that are matched
 ENOUGH = 0.1  # share of the beams that must hit something, or there is nothing to match
-# A narrow view slides along walls, so a place far from odometry's must match much better; as delivered,
-# minimum_distance_penalty is 1, which makes all places equal. Coarser settings crash (0.3 m at 0.02 m).
+# A narrow view slides along walls and turns with them, so a pose far from odometry's must match much better; as
+# delivered, the least penalties are near 1, which makes all poses equal. Coarser settings crash (0.3 m at 0.02 m).
 STEP_MATCH = {
     "search_size": 0.2,  # [m]
     "resolution": 0.01,  # [m]
     "smear_deviation": 0.02,  # [m]
     "coarse_search_angle_offset": 0.14,  # [rad]
-    "distance_variance_penalty": 0.01,
-    "minimum_distance_penalty": 0.5,
+    "distance_variance_penalty": 0.003,
+    "minimum_distance_penalty": 0.3,
+    "angle_variance_penalty": 0.005,
+    "minimum_angle_penalty": 0.5,
 }
 LOOP_MATCH = {"search_size": 2.0, "resolution": 0.05}  # [m]
 INSTALL = "this plug-in needs yag-slam, which is under the GPL: pip install yag-slam opencv-python-headless"
