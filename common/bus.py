@@ -131,18 +131,22 @@ class Bus:
         except zenoh.ZError as error:
             raise BusError(f"{path!r} is no key: {_first_line(error)}") from error
 
-    def answer(self, path: str, reply: Callable[[dict[str, Any]], dict[str, Any]]) -> None:
-        """Answer every request at `path` below the robot's name with the map that `reply` makes of its parameters."""
+    def answer(self, path: str, reply: Callable[[str, dict[str, Any]], dict[str, Any] | None]) -> None:
+        """Answer requests at `path` below the robot's name, where `*` is wild, with the map that `reply` makes, if any.
+
+        It is given the last part of the key that was asked, `*` where that was wild, and the parameters.
+        """
 
         def deliver(query: zenoh.Query) -> None:
             with query:
                 try:
                     parameters = unpack(query.payload.to_bytes()) if query.payload else {}
                 except MessageError as error:
-                    answered = {"ok": False, "message": f"malformed request: {error}"}
+                    answered: dict[str, Any] | None = {"ok": False, "message": f"malformed request: {error}"}
                 else:
-                    answered = reply(parameters)
-                query.reply(query.key_expr, msgpack.packb(answered), encoding=zenoh.Encoding("application/msgpack"))
+                    answered = reply(str(query.key_expr).rpartition("/")[2], parameters)
+                if answered is not None:
+                    query.reply(query.key_expr, msgpack.packb(answered), encoding=zenoh.Encoding("application/msgpack"))
 
         self._session.declare_queryable(f"{self.robot}/{path}", deliver)
 

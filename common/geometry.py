@@ -19,7 +19,6 @@ Floating = NDArray[np.floating[Any]]  # of either precision
 STEEPEST_AXIS = math.cos(math.radians(3.0))  # an optical axis nearer the vertical has no heading on the floor
 MOST_PIXELS = 2**22  # a small compressed message must not unpack to any size it likes
 HIGHEST_CAMERA = 20.0  # [m]
-FARTHEST_RANGE = 65.535  # [m], the most that 16 bits of millimetres can say
 
 
 class Intrinsics(NamedTuple):
@@ -124,7 +123,7 @@ def check_camera(camera: Camera) -> None:
         if not -size <= centre <= 2 * size:
             raise ValueError(f"intrinsics: c{name} of {centre} px is impossible for {size} pixels")
     near, far = camera.range
-    if not 0.0 <= near < far <= FARTHEST_RANGE:
+    if not 0.0 <= near < far < math.inf:
         raise ValueError(f"range: [{near}, {far}] m is impossible")
     *normal, height = camera.floor
     if abs(math.hypot(*normal) - 1.0) > 0.01:

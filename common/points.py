@@ -16,6 +16,7 @@ Metres = NDArray[np.float32]
 
 MILLIMETRE = 0.001
 METRES = np.float32(MILLIMETRE)  # in one
+FARTHEST = np.iinfo(np.uint16).max  # [mm]
 
 
 class Points(NamedTuple):
@@ -32,7 +33,7 @@ def points_of(depth: Millimetres, camera: Camera, range_min: float = 0.0, lower_
     Depths outside the sensor's range and points nearer than range_min [m], parts of the robot, are left out.
     """
     view = view_of(camera, lower_than)
-    near, far = (np.uint16(round(limit / MILLIMETRE)) for limit in camera.range)
+    near, far = (np.uint16(min(round(limit / MILLIMETRE), FARTHEST)) for limit in camera.range)
     heights, distances = _measure(
         view.of(depth),
         view.up.single(),

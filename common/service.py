@@ -90,9 +90,8 @@ class Service(Generic[C]):
             oddity = order.check(message.seq, message.stamp) if isinstance(message, DepthImage | LaserScan) else None
             if oddity:
                 self.tally.complain(oddity.what, f"{path}: {oddity.why}")
-            if not (oddity and oddity.refuse):
-                self.tally.count("received")
-                accept(message)
+            self.tally.count("received")
+            accept(message)
 
         self.bus.subscribe(topic.path, arrived)
 
@@ -116,7 +115,7 @@ class Service(Generic[C]):
         self._stop.patient = True
         self.state, self.note = "working", ""
         self.bus.announce(self.name)
-        log.info("ready")
+        log.info("ready, version %s", package_version())
 
     def tell_status(self) -> None:
         """Say once a second how the service fares, until it ends."""
@@ -181,7 +180,6 @@ def run(name: str, config: C, network: Network, robot: str, serve: Callable[[Ser
     if bus is None:
         return
     with bus:
-        log.info("starting, version %s", package_version())
         service = Service(name, config, bus, stop)
         teller = threading.Thread(target=service.tell_status, name="status")
         teller.start()

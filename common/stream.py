@@ -6,19 +6,17 @@ from typing import NamedTuple
 
 
 class Oddity(NamedTuple):
-    """What is wrong with a sample's place in its stream, and whether it must be left out."""
+    """What is odd about a sample's place in its stream."""
 
     what: str
     why: str
-    refuse: bool
 
 
 class StreamOrder:
     """Watches the stamps and sequence numbers of one key.
 
-    A sample older than its predecessor is refused, and its successor is compared with it, so that a clock set back
-    costs one frame. A sequence number that goes back while time goes on is no fault of the sample, but tells of
-    a restarted camera or of two cameras on one key.
+    A sample older than its predecessor, or with a lower sequence number, is no fault of the sample: a frame is seen as
+    it is, whatever came before. But it tells of a clock set back, a restarted camera, or two cameras on one key.
     """
 
     def __init__(self) -> None:
@@ -30,8 +28,8 @@ class StreamOrder:
         last_seq, last_stamp = self._seq, self._stamp
         self._seq, self._stamp = seq, stamp
         if stamp < last_stamp:
-            return Oddity("stamp_back", f"stamp {stamp} comes {last_stamp - stamp} ns before the last one", refuse=True)
+            return Oddity("stamp_back", f"stamp {stamp} comes {last_stamp - stamp} ns before the last one")
         if seq < last_seq:
             why = f"sequence number {seq} after {last_seq}: the camera restarted, or two cameras share this key"
-            return Oddity("sequence_back", why, refuse=False)
+            return Oddity("sequence_back", why)
         return None

@@ -17,13 +17,14 @@ from common.message import Stamp, explain
 from services.capture.source import BadFrame, DepthFrame, SourceEnded
 
 Four = tuple[float, float, float, float]
+LEVEL = (0.0, -1.0, 0.0, 0.3)  # a floor below any camera
 GREY_16 = ("I;16", "I;16B", "I;16L")
 
 
 class FrameOverride(BaseModel):
     """What one frame has different from the rest of its folder."""
 
-    model_config = ConfigDict(allow_inf_nan=False)
+    model_config = ConfigDict(strict=True, allow_inf_nan=False)
 
     stamp: Stamp | None = None  # [ns]
     intrinsics: Four | None = None  # fx, fy, cx, cy [px]
@@ -45,13 +46,16 @@ class CameraFile(FrameOverride):
         floor = override.floor or self.floor
         if floor is None:
             raise BadFrame(f"{frame}: camera.json has no floor for it")
-        intrinsics = Intrinsics(*(override.intrinsics or self.intrinsics))
-        camera = Camera(self.width, self.height, intrinsics, self.range, FloorPlane(*floor))
+        camera = self.camera(override.intrinsics or self.intrinsics, floor)
         try:
             check_camera(camera)
         except ValueError as error:
             raise BadFrame(f"{frame}: camera.json: {error}") from error
         return camera
+
+    def camera(self, intrinsics: Four, floor: Four) -> Camera:
+        """A camera of this folder with these intrinsics and floor, possible or not."""
+        return Camera(self.width, self.height, Intrinsics(*intrinsics), self.range, FloorPlane(*floor))
 
 
 class Replay:
@@ -98,14 +102,18 @@ class Replay:
 
 
 def read_camera(folder: Path) -> CameraFile:
-    """The folder's `camera.json`. Raises ConfigError."""
+    """The folder's `camera.json`. Raises ConfigError, also where no frame can have such a camera."""
     path = folder / "camera.json"
     try:
-        return CameraFile.model_validate_json(path.read_bytes())
+        file = CameraFile.model_validate_json(path.read_bytes())
+        check_camera(file.camera(file.intrinsics, file.floor or LEVEL))
+        return file
     except OSError as error:
         raise ConfigError(f"{path}: {error.strerror}") from error
     except ValidationError as error:
         raise ConfigError(f"{path}: {explain(error)}") from error
+    except ValueError as error:
+        raise ConfigError(f"{path}: {error}") from error
 
 
 def read_depth(path: Path, width: int, height: int) -> NDArray[np.uint16]:

@@ -16,7 +16,7 @@ from common.messages import LaserScan
 from common.service import Service
 from services.kobuki import commands, reports
 from services.kobuki.config import KobukiConfig
-from services.kobuki.desk import Answer, Desk, GainsDesk, Reply, done, failed
+from services.kobuki.desk import Answer, Desk, GainsDesk, NoDesk, Reply, done, failed
 from services.kobuki.frames import FrameParser
 from services.kobuki.ground import Pose
 from services.kobuki.handshake import Handshake
@@ -73,7 +73,8 @@ class Bridge:
             "version": lambda _: self._handshake.told(),
         }
         for name, reply in replies.items():
-            self._service.bus.answer(topics.command(name), Desk(self._put, reply))
+            self._service.bus.answer(topics.command(name), Desk(name, self._put, reply))
+        self._service.bus.answer(topics.command("*"), NoDesk(replies))
 
     def turn(self) -> None:
         """Take in what comes within a tick, do the next job, and what is due."""
@@ -190,20 +191,24 @@ class Bridge:
     # ---- what goes
 
     def _due(self, now: float) -> None:
-        if not self._port:
+        if self._port:
+            self._look_after(self._port, now)
+        else:
             self._open(now)
-            return
+        if now - self._decided_at >= TICK:
+            self._decide(now)
+
+    def _look_after(self, port: Port, now: float) -> None:
+        """Beat the guard's heart, notice a silent base, ask what is not answered yet."""
         if now - self._beaten_at >= BEAT:
             self._beaten_at = now
-            self._port.beat()
+            port.beat()
         if now - self._heard_at > SILENT:
             self._safety.lose_base()
         if self._parser.counts.good:
             request = self._handshake.request(now)
             if request:
-                self._port.write(request)
-        if now - self._decided_at >= TICK:
-            self._decide(now)
+                port.write(request)
 
     def _decide(self, now: float) -> None:
         """Ask the gate, and tell the wheels and the world."""

@@ -5,7 +5,7 @@ An answer is a map with `ok`, a `message` for people, and the values that were a
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from concurrent.futures import Future
 from typing import Any
 
@@ -22,9 +22,9 @@ PATIENCE = 1.0  # [s] for an answer
 
 
 class Request(BaseModel):
-    """A request's parameters: strict, and no others are known."""
+    """A request's parameters: strict; what nobody knows is passed over."""
 
-    model_config = ConfigDict(strict=True, frozen=True, extra="forbid", allow_inf_nan=False)
+    model_config = ConfigDict(strict=True, frozen=True, extra="ignore", allow_inf_nan=False)
 
 
 class GainsRequest(Request):
@@ -58,14 +58,17 @@ def failed(why: str) -> Answer:
 
 
 class Desk:
-    """Answers one kind of request, called from any thread; `reply` is called from the one that does the jobs."""
+    """Answers requests of one name, called from any thread; `reply` is called from the one that does the jobs."""
 
-    def __init__(self, put: Callable[[Callable[[], None]], None], reply: Reply) -> None:
+    def __init__(self, name: str, put: Callable[[Callable[[], None]], None], reply: Reply) -> None:
+        self._name = name
         self._put = put
         self._reply = reply
 
-    def __call__(self, parameters: Answer) -> Answer:
-        """The answer to a request with these parameters."""
+    def __call__(self, asked: str, parameters: Answer) -> Answer | None:
+        """The answer to a request with these parameters; none to who asks by a wild card, which is no command."""
+        if asked != self._name:
+            return None
         promised: Future[Answer | Future[Answer]] = Future()
         self._put(lambda: promised.set_result(self._answer(parameters)))
         try:
@@ -81,6 +84,19 @@ class Desk:
             return failed(explain(error))
         except (ValueError, PortLost) as error:
             return failed(str(error))
+
+
+class NoDesk:
+    """Answers what no desk does."""
+
+    def __init__(self, names: Iterable[str]) -> None:
+        self._names = sorted(names)
+
+    def __call__(self, asked: str, _: Answer) -> Answer | None:
+        """That there is no such request; nothing where there is a desk for it."""
+        if asked in self._names:
+            return None
+        return failed(f"no command is named {asked!r}; there are {', '.join(self._names)}")
 
 
 class GainsDesk:

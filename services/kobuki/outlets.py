@@ -17,7 +17,7 @@ SUPPLIES = {"3.3V": Supply.V3_3, "5V": Supply.V5, "12V5A": Supply.V12_5A, "12V1.
 class LedRequest(Request):
     """Which LED, and its colour."""
 
-    led: Literal[1, 2]
+    led: Annotated[int, Field(ge=1, le=2)]
     colour: Literal["off", "red", "green", "orange"]
 
 

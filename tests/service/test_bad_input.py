@@ -70,14 +70,14 @@ def test_another_size_in_mid_stream_is_another_camera_not_a_fault(client, start)
         assert ear.get()["seq"] == stamp
 
 
-def test_a_stamp_that_goes_back_is_refused_once(client, start):
+def test_a_clock_set_back_is_told_of_once_and_costs_no_frame(client, start):
     process = start("positive")
-    ear, status = client.listen("scan/positive"), client.listen("status/positive")
-    client.put("camera/depth", image(CAMERA, DEPTH, 5_000, seq=0))
-    assert ear.get()["stamp"] == 5_000
-    for seq, stamp in enumerate([1_000, 1_033], start=1):  # the clock was set back
+    for other in ("negative", "fuse"):
+        start(other)
+    ear, status = client.listen("scan/fused"), client.listen("status/positive")
+    for seq, stamp in enumerate([5_000, 1_000, 1_033]):
         client.put("camera/depth", image(CAMERA, DEPTH, stamp, seq=seq))
-    assert ear.get()["stamp"] == 1_033
+        assert ear.get()["stamp"] == stamp
     status.until(lambda each: counts(each, "stamp_back") == 1)
     process.wait_said("stamp 1000 comes 4000 ns before")
 
@@ -140,12 +140,9 @@ def test_without_a_fresh_scan_of_a_configured_input_nothing_is_published(client,
     ear, status = client.listen("scan/fused"), client.listen("status/fuse")
     client.put("scan/lidar", scan([1.0, 1.0], 1))
     status.until(lambda each: counts(each, "received") == 1)
-    for stamp in (10**10, 0):
-        client.put("scan/positive", scan([2.0, 2.0], stamp + 1))
-        client.put("scan/negative", scan([2.0, 2.0], stamp + 1))
-        if stamp:
-            status.until(lambda each: counts(each, "incomplete") == 1)
-    status.until(lambda each: counts(each, "stamp_back") == 2)
+    for side in ("positive", "negative"):
+        client.put(f"scan/{side}", scan([2.0, 2.0], 10**10))
+    status.until(lambda each: counts(each, "incomplete") == 1)
     client.put("scan/lidar", scan([1.0, 1.0], 3))
     status.until(lambda each: counts(each, "received") == 4)
     client.put("scan/positive", scan([2.0, 2.0], 3, seq=1))

@@ -136,8 +136,11 @@ def test_the_emergency_stop_holds_until_it_is_cleared(base):
 def test_requests_are_done_or_say_why_not(base):
     assert base.ask("version")["firmware"] == "1.2.0"
     assert base.ask("led", led=1, colour="green")["ok"]
-    refused = base.ask("led", led=3, colour="green")
-    assert (refused["ok"], "led" in refused["message"]) == (False, True)
+    for led in (3, True):
+        refused = base.ask("led", led=led, colour="green")
+        assert (refused["ok"], "led" in refused["message"]) == (False, True)
+    assert base.ask("stop", colour="nobody knows")["ok"]
+    assert base.ask("clear_safety")["ok"]
     assert base.ask("digital_output", supply="5V", on=False)["ok"]
     assert base.ask("gains")["p"] == pytest.approx(100.0)
     assert base.ask("gains", p=90.0, i=0.2, d=1.0)["p"] == pytest.approx(90.0)
@@ -147,6 +150,15 @@ def test_requests_are_done_or_say_why_not(base):
     output = base.remote.state()["output"]
     assert output["leds"] == ["green", "off"]
     assert output["supplies"] == {"3.3V": True, "5V": False, "12V5A": True, "12V1.5A": True}
+
+
+@pytest.mark.parametrize("name", ["dance", "*"])
+def test_who_asks_for_no_command_is_told_which_there_are(base, name):
+    answer = base.ask(name)
+    assert answer["ok"] is False
+    assert answer["message"].startswith(f"no command is named '{name}'; there are clear_safety, digital_output, gains")
+    assert base.ask("version")["ok"]
+    base.until("no_command")
 
 
 def test_sensors_are_told(base):
@@ -170,6 +182,7 @@ def test_unplugged_and_plugged_in_again_it_goes_on_where_it_was(base):
     before = base.odometry.get()["pose"]
     base.remote.tell("unplug 0.3")
     base.service.wait_said("port_lost")
+    base.until("no_base")
     base.until("free", linear=0.2)
     base.odometry.all()
     after = base.odometry.get()["pose"]
@@ -213,6 +226,8 @@ def test_another_firmware_is_refused_and_never_driven(client, run, start, tmp_pa
     assert "base_control" not in Remote(control).state()["received"]
 
 
-def test_a_port_that_is_not_there_says_so_with_the_remedy(start, tmp_path):
+def test_a_port_that_is_not_there_says_so_with_the_remedy(client, start, tmp_path):
+    safety = client.listen("base/safety")
     service = start("kobuki", "--set", f"kobuki.port={tmp_path}/none", wait=False)
     service.wait_said("no such device: plug the base in")
+    assert [safety.get()["rule"] for _ in range(2)] == ["no_base"] * 2

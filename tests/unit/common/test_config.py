@@ -198,7 +198,7 @@ def test_a_truth_a_number_and_a_text_are_not_the_same(override):
 
 @pytest.mark.parametrize(
     "override",
-    ["capture.range=[4.5, 0.5]", "capture.range=[1, 1]", "capture.range=[0.5, 66]", "capture.intrinsics=[1, 1, 1, 1]"],
+    ["capture.range=[4.5, 0.5]", "capture.range=[1, 1]", "capture.range=[-1, 4]", "capture.intrinsics=[1, 1, 1, 1]"],
 )
 def test_a_camera_that_cannot_be_is_refused_before_it_is_used(override):
     assert override.split("=")[0] in refusal("capture", None, override)
