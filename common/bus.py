@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import json
 import logging
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from dataclasses import dataclass, field
 from pathlib import Path
 from types import TracebackType
@@ -131,24 +131,29 @@ class Bus:
         except zenoh.ZError as error:
             raise BusError(f"{path!r} is no key: {_first_line(error)}") from error
 
-    def answer(self, path: str, reply: Callable[[str, dict[str, Any]], dict[str, Any] | None]) -> None:
-        """Answer requests at `path` below the robot's name, where `*` is wild, with the map that `reply` makes, if any.
+    def answer(
+        self, path: str, reply: Callable[[dict[str, Any]], dict[str, Any]], but_at: Collection[str] = ()
+    ) -> None:
+        """Answer requests at `path` below the robot's name with the map that `reply` makes of their parameters.
 
-        It is given the last part of the key that was asked, `*` where that was wild, and the parameters.
+        A path with `*` is asked in vain at the paths `but_at`; one without is not asked by a wild card.
         """
+        key, others = f"{self.robot}/{path}", {f"{self.robot}/{other}" for other in but_at}
 
         def deliver(query: zenoh.Query) -> None:
+            asked = str(query.key_expr)
             with query:
+                if asked in others or ("*" not in path and asked != key):
+                    return
                 try:
                     parameters = unpack(query.payload.to_bytes()) if query.payload else {}
                 except MessageError as error:
-                    answered: dict[str, Any] | None = {"ok": False, "message": f"malformed request: {error}"}
+                    answered = {"ok": False, "message": f"malformed request: {error}"}
                 else:
-                    answered = reply(str(query.key_expr).rpartition("/")[2], parameters)
-                if answered is not None:
-                    query.reply(query.key_expr, msgpack.packb(answered), encoding=zenoh.Encoding("application/msgpack"))
+                    answered = reply(parameters)
+                query.reply(query.key_expr, msgpack.packb(answered), encoding=zenoh.Encoding("application/msgpack"))
 
-        self._session.declare_queryable(f"{self.robot}/{path}", deliver)
+        self._session.declare_queryable(key, deliver)
 
     def ask(self, path: str, parameters: dict[str, Any], timeout: float) -> dict[str, Any] | None:
         """The first answer to a request at `path`; None where there was none within `timeout` [s]."""

@@ -68,9 +68,8 @@ def main() -> None:
             if frames:
                 opened.callback(frames.close)
             live = Live(simulation, frames, arguments.rate)
-            server = (
-                ControlServer(arguments.control) if arguments.control else None
-            )  # first: another may be at work here
+            # before the port, which another simulation may have at the same place
+            server = ControlServer(arguments.control) if arguments.control else None
             if server:
                 opened.callback(server.close)
             cable = Cable(arguments.link)

@@ -16,7 +16,7 @@ from common.messages import LaserScan
 from common.service import Service
 from services.kobuki import commands, reports
 from services.kobuki.config import KobukiConfig
-from services.kobuki.desk import Answer, Desk, GainsDesk, NoDesk, Reply, done, failed
+from services.kobuki.desk import Answer, Desk, GainsDesk, Reply, done, failed, no_desk
 from services.kobuki.frames import FrameParser
 from services.kobuki.ground import Pose
 from services.kobuki.handshake import Handshake
@@ -73,8 +73,8 @@ class Bridge:
             "version": lambda _: self._handshake.told(),
         }
         for name, reply in replies.items():
-            self._service.bus.answer(topics.command(name), Desk(name, self._put, reply))
-        self._service.bus.answer(topics.command("*"), NoDesk(replies))
+            self._service.bus.answer(topics.command(name), Desk(self._put, reply))
+        self._service.bus.answer(topics.command("*"), no_desk(replies), but_at=[*map(topics.command, replies)])
 
     def turn(self) -> None:
         """Take in what comes within a tick, do the next job, and what is due."""

@@ -57,18 +57,21 @@ def failed(why: str) -> Answer:
     return {"ok": False, "message": why}
 
 
-class Desk:
-    """Answers requests of one name, called from any thread; `reply` is called from the one that does the jobs."""
+def no_desk(names: Iterable[str]) -> Callable[[Answer], Answer]:
+    """What answers requests that have none of these names."""
+    answer = failed(f"no such command; there are {', '.join(names)}")
+    return lambda _: answer
 
-    def __init__(self, name: str, put: Callable[[Callable[[], None]], None], reply: Reply) -> None:
-        self._name = name
+
+class Desk:
+    """Answers one kind of request, called from any thread; `reply` is called from the one that does the jobs."""
+
+    def __init__(self, put: Callable[[Callable[[], None]], None], reply: Reply) -> None:
         self._put = put
         self._reply = reply
 
-    def __call__(self, asked: str, parameters: Answer) -> Answer | None:
-        """The answer to a request with these parameters; none to who asks by a wild card, which is no command."""
-        if asked != self._name:
-            return None
+    def __call__(self, parameters: Answer) -> Answer:
+        """The answer to a request with these parameters."""
         promised: Future[Answer | Future[Answer]] = Future()
         self._put(lambda: promised.set_result(self._answer(parameters)))
         try:
@@ -84,19 +87,6 @@ class Desk:
             return failed(explain(error))
         except (ValueError, PortLost) as error:
             return failed(str(error))
-
-
-class NoDesk:
-    """Answers what no desk does."""
-
-    def __init__(self, names: Iterable[str]) -> None:
-        self._names = sorted(names)
-
-    def __call__(self, asked: str, _: Answer) -> Answer | None:
-        """That there is no such request; nothing where there is a desk for it."""
-        if asked in self._names:
-            return None
-        return failed(f"no command is named {asked!r}; there are {', '.join(self._names)}")
 
 
 class GainsDesk:

@@ -52,7 +52,8 @@ def make_base(arguments: argparse.Namespace) -> Base:
 
 def open_runner(base: Base, arguments: argparse.Namespace) -> Runner:
     """The base on its port. Raises CableError or ServerError where a path cannot be used."""
-    server = ControlServer(arguments.control) if arguments.control else None  # first: another base may be at work here
+    # before the port, which another base may have at the same place
+    server = ControlServer(arguments.control) if arguments.control else None
     try:
         return Runner(base, Cable(arguments.link), server)
     except CableError:
