@@ -54,6 +54,7 @@ class Bridge:
         self._gains = GainsDesk(self._write)
         self._decided_at = self._reported_at = self._beaten_at = -math.inf
         self._reported: tuple[object, ...] = ()
+        self._catching_up = False  # with what the base said while nobody listened
         self._news = News(service)
         self._begin()
         self._said = service.publisher(topics.SAFETY)
@@ -81,8 +82,8 @@ class Bridge:
         try:
             if self._jobs.wait(self._port, TICK) and self._port:
                 self._bytes(self._port.read())
-            job = self._jobs.take()
-            if job:
+                self._catching_up = self._catching_up and self._port.has_more()
+            if job := self._jobs.take():
                 job()
             self._due(time.monotonic())
         except PortLost as lost:
@@ -107,8 +108,6 @@ class Bridge:
         self._heard_at = -math.inf
 
     def _open(self, now: float) -> None:
-        if now < self._retry_at:
-            return
         self._begin()
         self._port = Port(self._config.port)
         self._heard_at = now
@@ -156,6 +155,8 @@ class Bridge:
         pose = self._origin.then(Pose(*estimate.pose))
         if estimate.new_baseline:
             self._service.tally.complain("baseline", estimate.new_baseline)
+            self._catching_up = True
+        if self._catching_up:  # what is read late tells where the robot was; it begins anew where it is
             self._safety.restart(pose)
         self._history.add(stamp, pose)
         self._safety.sense(feedback.core, pose)
@@ -193,7 +194,7 @@ class Bridge:
     def _due(self, now: float) -> None:
         if self._port:
             self._look_after(self._port, now)
-        else:
+        elif now >= self._retry_at:
             self._open(now)
         if now - self._decided_at >= TICK:
             self._decide(now)
@@ -205,10 +206,8 @@ class Bridge:
             port.beat()
         if now - self._heard_at > SILENT:
             self._safety.lose_base()
-        if self._parser.counts.good:
-            request = self._handshake.request(now)
-            if request:
-                port.write(request)
+        if self._parser.counts.good and (request := self._handshake.request(now)):
+            port.write(request)
 
     def _decide(self, now: float) -> None:
         """Ask the gate, and tell the wheels and the world."""

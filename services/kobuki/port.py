@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import errno
 import os
+import select
 import subprocess
 import sys
 from pathlib import Path
@@ -62,6 +63,10 @@ class Port:
         if not data:
             raise PortLost(f"{self._path}: the base was unplugged")
         return data
+
+    def has_more(self) -> bool:
+        """Whether the base sent something that was not read yet."""
+        return bool(select.select([self], [], [], 0.0)[0])
 
     def write(self, data: bytes) -> None:
         """Send bytes to the base. Raises PortLost."""

@@ -189,6 +189,29 @@ def test_unplugged_and_plugged_in_again_it_goes_on_where_it_was(base):
     assert np.hypot(after[0] - before[0], after[1] - before[1]) < 0.5
 
 
+def test_after_a_pause_it_drives_on_from_where_it_came_to_rest(base):
+    """It rolls on until the guard stops it; what it then knows to be free is around it, not where it was before."""
+    while base.odometry.get()["pose"][0] < 0.3:
+        base.see()
+        base.drive(0.5)
+    base.odometry.all()
+    for _ in range(3):  # no scan may wait to be seen, for it would show more
+        base.odometry.get()
+    base.service.signal(signal.SIGSTOP)
+    stopped = base.remote.state()
+    while (resting := base.remote.state())["time"] < stopped["time"] + 1.3:
+        pass
+    rest = resting["truth"]["x"]
+    assert not any(resting["speeds"].values())
+    assert rest > stopped["truth"]["x"] + 0.2
+    base.service.signal(signal.SIGCONT)
+    base.service.wait_said("s between two packets")
+    while base.remote.state()["truth"]["x"] < rest + 0.5:
+        base.see(*[4.0] * 64)  # with no beam half an increment beyond the view
+        base.drive(0.5)
+        base.safety.get_within(0.05)
+
+
 def test_a_power_cycle_makes_no_jump(base):
     poses = [base.odometry.get()["pose"] for _ in range(5)]
     base.remote.tell("power_cycle")
