@@ -71,7 +71,7 @@ def main() -> None:
     run = Run(Console(), stop, arguments.out, [EVERY_METHOD, *arguments.set])
     try:
         arguments.out.mkdir(parents=True, exist_ok=True)
-        run.log_file.unlink(missing_ok=True)
+        run.log_file.write_text("")
     except OSError as error:
         parser.error(f"--out: {error}")
     try:

@@ -100,7 +100,7 @@ def through_processes(cases: Sequence[Case], metres: float, out: Path) -> Iterat
     with suppress(Interrupted):
         for case in cases:
             log = out / f"{case.file_name}.log"
-            log.unlink(missing_ok=True)
+            log.write_text("")
             with ServiceLog(log):
                 outcome = ProcessTrial(case, stop).run(metres / case.speed)
             yield outcome

@@ -54,7 +54,7 @@ def main() -> None:
     logging.basicConfig(level=logging.ERROR)
     asked.out.parent.mkdir(parents=True, exist_ok=True)
     log = asked.out.with_suffix(".log")
-    log.unlink(missing_ok=True)
+    log.write_text("")
     with ServiceLog(log):
         outcomes = trials(asked.trials, names, random.Random(asked.seed), StopSignal())
     if not outcomes:
