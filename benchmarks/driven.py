@@ -6,7 +6,6 @@ import json
 import os
 import time
 from collections.abc import Callable, Sequence
-from contextlib import ExitStack
 from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
@@ -42,20 +41,16 @@ class DrivenRobot:
         plan = Plan(f"{name}-{os.getpid()}", listen, overrides=[rate, *overrides], world=world, simulation=simulation)
         self.system = System(plan, stop)
         self._stop = stop
-        self._exit = ExitStack()
 
     def __enter__(self) -> Self:
-        with ExitStack() as entered:
-            entered.enter_context(self.system)
-            self.remote = Remote(self.folder / "control")
-            self._velocity = self.system.bus.publisher(VELOCITY)
-            self._exit = entered.pop_all()
+        self.system.__enter__()
+        self.remote = Remote(self.folder / "control")
         return self
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        self._exit.close()
+        self.system.__exit__(kind, error, trace)
 
     @property
     def folder(self) -> Path:
@@ -63,9 +58,10 @@ class DrivenRobot:
         return Path(self.system.plan.folder)
 
     def ready(self) -> None:
-        """Wait until all of it works. Raises TimeoutError, Interrupted."""
+        """Wait until all of it works, and can be driven. Raises TimeoutError, Interrupted."""
         self.wait((self.folder / "control").is_socket, "the simulation")
         self.wait(lambda: self.system.alive.issuperset(SERVICES), "the services")
+        self._velocity = self.system.bus.publisher(VELOCITY)
 
     def wait(self, holds: Callable[[], bool], what: str) -> None:
         """Wait until that holds. Raises TimeoutError, Interrupted."""

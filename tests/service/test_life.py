@@ -69,7 +69,7 @@ def test_a_source_that_can_never_be_opened_is_refused_with_one_line(client, star
 
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
 def test_a_signal_before_a_service_has_loaded_its_libraries_ends_it_with_0(start, number):
-    process = start("negative", "-h", wait=False, PYTHONVERBOSE="1")  # says which modules are loaded
+    process = start("negative", wait=False, PYTHONVERBOSE="1")  # says which modules are loaded
     process.wait_said("import 'services'")
     process.signal(number)
     assert process.end() == 0

@@ -126,7 +126,6 @@ IMPOSSIBLE = {
     "range.*impossible": {"range": [4.5, 0.5]},
     "range.*0.5, 0.5.*impossible": {"range": [0.5, 0.5]},
     "range.*-1": {"range": [-1, 0.5]},
-    "range.*2": {"range": [2.0, 1]},
     "floor.*length 0.000": {"floor": [0, 0, 0, 0.3]},
     "floor.*length 1.1": {"floor": [0, -1.1, 0, 0.3]},
     "floor.*straight down": {"floor": [0, 0, -1, 0.3]},

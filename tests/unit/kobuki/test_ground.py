@@ -235,13 +235,6 @@ def test_scans_of_any_shape_are_taken(angles):
     see(ground, np.inf, angles=angles)
 
 
-@given(poses, poses, st.floats(-5, 5), st.floats(-5, 5))
-def test_there_and_back_again(one, other, x, y):
-    point = np.array([[x], [y]])
-    assert one.from_world(one.to_world(point)) == pytest.approx(point, abs=1e-9)
-    assert one.then(other).to_world(point) == pytest.approx(one.to_world(other.to_world(point)), abs=1e-9)
-
-
 @given(poses, st.floats(0.8, 1.4), st.floats(-0.4, 0.4))
 def test_a_scan_is_put_where_the_robot_was(pose, far, azimuth):
     ground = Ground(pose, 0.5)
