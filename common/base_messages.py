@@ -24,6 +24,7 @@ Rule = Literal[
     "overcurrent",
     "cliff",
     "bumper",
+    "odometry",
     "no_command",
     "no_scan",
     "obstacle",
@@ -37,6 +38,8 @@ class Velocity(Message):
     stamp: Stamp
     linear: float  # [m/s] forward
     angular: float  # [rad/s] counter-clockwise
+    source: str = ""  # who drives: one source at a time
+    priority: Annotated[int, Field(ge=-(2**31), lt=2**31)] = 0  # a higher one takes over at once
 
 
 class Odometry(Message):

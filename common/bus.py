@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import json
 import logging
+import threading
 from collections.abc import Callable, Collection
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -104,11 +105,10 @@ class Bus:
 
     def publisher(self, topic: Topic[M]) -> Publisher[M]:
         """Declare that messages of `topic` will be said."""
-        encoding = zenoh.Encoding("application/msgpack").with_schema(topic.message.schema_name())
         return Publisher(
             self._session.declare_publisher(
                 topic.key(self.robot),
-                encoding=encoding,
+                encoding=encoding_of(topic),
                 congestion_control=zenoh.CongestionControl.DROP,
                 priority=PRIORITY[topic.qos],
                 express=topic.qos is Qos.REAL_TIME,
@@ -163,10 +163,54 @@ class Bus:
                 return unpack(reply.ok.payload.to_bytes())
         return None
 
+    def latch(self, topic: Topic[M]) -> Callable[[M], None]:
+        """Declare messages of `topic` that are published once; each is kept for whoever asks later."""
+        publisher = self.publisher(topic)
+        kept: list[bytes] = []
+        lock = threading.Lock()
+
+        def publish(message: M) -> None:
+            with lock:
+                kept[:] = [message.encode()]
+            publisher.put(message)
+
+        def deliver(query: zenoh.Query) -> None:
+            with query, lock:
+                for payload in kept:
+                    query.reply(topic.key(self.robot), payload, encoding=encoding_of(topic))
+
+        self._session.declare_queryable(topic.key(self.robot), deliver)
+        return publish
+
+    def receive_latched(self, path: str, receive: Callable[[str, bytes], object]) -> None:
+        """Call `receive(path, payload)` for what is kept at `path` now and for what is published there later.
+
+        Whenever a service announces itself the question is put again, so that no start order loses an answer; what is
+        kept may come more than once.
+        """
+        self.subscribe(path, receive)
+        key = f"{self.robot}/{path}"
+
+        def answered(reply: zenoh.Reply) -> None:
+            if reply.ok:
+                receive(path, reply.ok.payload.to_bytes())
+
+        def ask() -> None:
+            self._session.get(key, answered, consolidation=zenoh.ConsolidationMode.NONE)
+
+        ask()
+        self.watch_alive(lambda _service, here: ask() if here else None)
+
     def announce(self, service: str) -> None:
-        """Tell everyone that `service` works, until the session ends."""
+        """Tell everyone that `service` works, until withdraw() or the session's end."""
         if not self._token:
             self._token = self._session.liveliness().declare_token(f"{self.robot}/{alive(service)}")
+
+    def withdraw(self) -> None:
+        """Tell everyone that the service cannot do its work for now."""
+        token, self._token = self._token, None
+        if token:
+            token.undeclare()  # type: ignore[no-untyped-call]
 
     def alive(self, timeout: float = 1.0) -> set[str]:
         """The services that work now, by their liveliness tokens."""
@@ -181,6 +225,11 @@ class Bus:
             changed(str(sample.key_expr).rpartition("/")[2], sample.kind == zenoh.SampleKind.PUT)
 
         self._session.liveliness().declare_subscriber(f"{self.robot}/{alive('*')}", deliver, history=True)
+
+
+def encoding_of(topic: Topic[Any]) -> zenoh.Encoding:
+    """The Zenoh encoding of a topic's samples, which names their schema."""
+    return zenoh.Encoding("application/msgpack").with_schema(topic.message.schema_name())
 
 
 def _open(network: Network) -> zenoh.Session:

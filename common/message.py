@@ -65,6 +65,11 @@ def _little_endian(dtype: str) -> PlainValidator:
     return PlainValidator(read)
 
 
+def _packable(value: NDArray[Any] | Part) -> bytes | dict[str, Any]:
+    """What msgpack takes in the place of an array or a part of a message."""
+    return value.__dict__ if isinstance(value, Part) else value.tobytes()
+
+
 Float32s: TypeAlias = Annotated[NDArray[np.float32], _little_endian("<f4")]
 Int8s: TypeAlias = Annotated[NDArray[np.int8], _little_endian("<i1")]
 UInt64: TypeAlias = Annotated[int, Field(ge=0, lt=2**64)]
@@ -72,12 +77,16 @@ Stamp: TypeAlias = Annotated[int, Field(ge=0, lt=2**63)]  # [ns] since the Unix 
 ListAsTuple = Field(strict=False)  # for a tuple, since msgpack knows lists only; what it holds stays strict
 
 
-class Message(BaseModel):
-    """A sample's payload. Fields are strict and finite; keys nobody knows are ignored."""
+class Part(BaseModel):
+    """A map of fields. They are strict and finite; keys nobody knows are ignored."""
 
     model_config = ConfigDict(
         strict=True, frozen=True, extra="ignore", allow_inf_nan=False, arbitrary_types_allowed=True
     )
+
+
+class Message(Part):
+    """A sample's payload."""
 
     @classmethod
     def schema_name(cls) -> str:
@@ -86,7 +95,7 @@ class Message(BaseModel):
 
     def encode(self) -> bytes:
         """The msgpack map; arrays become little-endian `bin`."""
-        payload: bytes = msgpack.packb(self.__dict__, default=np.ndarray.tobytes)
+        payload: bytes = msgpack.packb(self.__dict__, default=_packable)
         return payload
 
     @classmethod

@@ -117,6 +117,11 @@ class Service(Generic[C]):
         self.bus.announce(self.name)
         log.info("ready, version %s", package_version())
 
+    def waiting(self, note: str) -> None:
+        """The service cannot do its work, because of a device, say: withdraw the token until ready() again."""
+        self.state, self.note = "waiting", note
+        self.bus.withdraw()
+
     def tell_status(self) -> None:
         """Say once a second how the service fares, until it ends."""
         publisher = self.bus.publisher(status(self.name))

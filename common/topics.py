@@ -5,9 +5,10 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 from enum import Enum
-from typing import Generic, TypeVar
+from typing import Any, Generic, TypeVar
 
 from common.base_messages import BaseState, Imu, Odometry, SafetyState, Velocity
+from common.description import RobotDescription
 from common.map_messages import OccupancyGrid, Pose2D
 from common.message import Message
 from common.messages import DepthImage, LaserScan, ServiceStatus
@@ -46,8 +47,10 @@ BASE_STATE = Topic("base/state", BaseState, Qos.REAL_TIME)
 IMU = Topic("base/imu", Imu, Qos.REAL_TIME)
 VELOCITY = Topic("base/cmd_vel", Velocity, Qos.REAL_TIME)
 SAFETY = Topic("base/safety", SafetyState, Qos.REAL_TIME)
+DESCRIPTION = Topic("description", RobotDescription, Qos.STATUS)
 MAP = Topic("map", OccupancyGrid, Qos.BULK)
 POSE = Topic("pose", Pose2D, Qos.REAL_TIME)
+TOPICS: tuple[Topic[Any], ...] = (DEPTH, ODOMETRY, BASE_STATE, IMU, VELOCITY, SAFETY, DESCRIPTION, MAP, POSE)
 
 
 def scan(path: str) -> Topic[LaserScan]:
@@ -77,11 +80,8 @@ def alive(service: str) -> str:
 
 def message_at(path: str) -> type[Message] | None:
     """What is said at a key's path below the robot's name; None where the contract does not say."""
-    for prefix, message in (
-        *((topic.path, topic.message) for topic in (DEPTH, ODOMETRY, BASE_STATE, IMU, VELOCITY, SAFETY, MAP, POSE)),
-        ("scan", LaserScan),
-        ("status", ServiceStatus),
-    ):
+    named: dict[str, type[Message]] = {topic.path: topic.message for topic in TOPICS}
+    for prefix, message in (named | {"scan": LaserScan, "status": ServiceStatus}).items():
         if path == prefix or path.startswith(prefix + "/"):
             return message
     return None
