@@ -1,28 +1,35 @@
-"""One run: a robot in a world, its perception, its gate and its driver, as fast as the machine can."""
+"""One run: a robot in a world, its perception, its base's controller and its driver, as fast as the machine can."""
 
 from __future__ import annotations
 
+import logging
 import time
 from collections import deque
 from random import Random
 
 from benchmarks.falls.cases import Case
 from benchmarks.falls.driver import Driver
-from benchmarks.falls.gate import SECOND, Gate
 from benchmarks.falls.log import Log
 from benchmarks.falls.outcome import Outcome
 from benchmarks.falls.perception import perception
 from benchmarks.falls.watch import Look
+from common.base_messages import Velocity
 from common.messages import LaserScan
+from services.kobuki.config import KobukiConfig
+from services.kobuki.controller import BaseController
+from services.kobuki.sensors import Core
 from simulator.kobuki.drive import WheelModel
 from simulator.robot import RobotSimulation
 from simulator.world import Pose
 
+SECOND = 1_000_000_000  # [ns]
 TICK = 0.01  # [s]
 FRAME_PERIOD = (0.07, 0.10)  # [s] between two frames: 10 to 14 Hz
 AGE = (0.05, 0.10)  # [s] from a frame to its scan at the gate
 COMMAND_PERIOD = 0.05  # [s]
 ENCODER_NOISE = 0.003  # [√m] 3 mm after 1 m, on top of how the wheels slip
+
+log = logging.getLogger(__name__)
 
 
 class Trial:
@@ -32,7 +39,9 @@ class Trial:
         self.random = Random(case.name)
         self.robot = RobotSimulation(case.world, seed=case.seed, wheels=WheelModel(noise=ENCODER_NOISE))
         self.log = Log(case, self.robot.world)
-        self._gate = Gate()
+        self._controller = BaseController(KobukiConfig(), lambda what, why: log.debug("%s: %s", what, why))
+        self._controller.connect(simulated=True, now=0.0)
+        self._core: Core | None = None
         self._driver = Driver(tuple(self.log.floor.low), tuple(self.log.floor.high), case.speed, self.random)
         self._scan_of = perception(case.mode, self.robot.camera)
         self._coming: deque[tuple[float, LaserScan, Pose]] = deque()  # [s] when it arrives, and where it was taken
@@ -50,10 +59,12 @@ class Trial:
         """Let TICK pass."""
         said = self.robot.step(TICK, self._to_base)
         now = self.robot.time
-        self._to_base = self._gate.hear(said, now)
+        for report in self._controller.receive(said, round(now * SECOND), now):
+            self._core = report.core
+        self._controller.caught_up()
         while self._coming and self._coming[0][0] <= now:
             _, scan, pose = self._coming.popleft()
-            self._gate.see(scan, now)
+            self._controller.scan(scan, round(now * SECOND), now)
             self._driver.see(pose, scan)
         if now >= self._command_due:
             self._command_due += COMMAND_PERIOD
@@ -62,13 +73,16 @@ class Trial:
             self._frame_due = now + self.random.uniform(*FRAME_PERIOD)
             scan = self._scan_of(self.robot.frame(), round(now * SECOND))
             self._coming.append((now + self.random.uniform(*AGE), scan, self.robot.pose))
+        self._controller.tick(now)
+        self._to_base = b"".join(output.data for output in self._controller.take_outputs())
         self.log.watch.look(self._look())
 
     def _drive(self, now: float) -> None:
-        asked = self._driver.command(self.robot.pose, self._gate.decision, now)
-        self._to_base += self._gate.command(asked, now)
-        self.log.drove(now, self.robot.pose, self._gate.decision, COMMAND_PERIOD)
+        asked = self._driver.command(self.robot.pose, self._controller.decision, now)
+        stamp = round(now * SECOND)
+        self._controller.command(Velocity(stamp=stamp, linear=asked[0], angular=asked[1]), stamp, now)
+        self.log.drove(now, self.robot.pose, self._controller.decision, COMMAND_PERIOD)
 
     def _look(self) -> Look:
-        robot, core = self.robot, self._gate.core
+        robot, core = self.robot, self._core
         return Look(robot.time, robot.pose, robot.fallen, robot.base.bumps, bool(core and core.cliff))

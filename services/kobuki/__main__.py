@@ -5,16 +5,16 @@ from __future__ import annotations
 from contextlib import closing
 
 from common.service import Service, main
-from services.kobuki.bridge import Bridge
 from services.kobuki.config import KobukiConfig
+from services.kobuki.io_loop import IoLoop
 
 
 def serve(service: Service[KobukiConfig]) -> None:
     """Speak with the base until the end."""
-    with closing(Bridge(service)) as bridge:
-        bridge.listen()
+    with closing(IoLoop(service)) as loop:
+        loop.listen()
         while service.running:
-            bridge.turn()
+            loop.turn()
 
 
 if __name__ == "__main__":

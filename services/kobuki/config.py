@@ -26,6 +26,7 @@ class KobukiConfig(ServiceConfig):
 
     # when it must stop
     command_timeout: Seconds = 0.3  # [s] without a command
+    stamp_tolerance: Seconds = 0.5  # [s] by which a command's stamp may differ from this clock
     require_scan: bool = True  # without a fresh fused scan it only turns, slowly
     scan_timeout: Seconds = 0.3  # [s] since the scan was taken, and since it came
     slow_turn: Annotated[float, Field(ge=0, le=110)] = 30.0  # [deg/s] without a scan

@@ -8,7 +8,7 @@ from typing import NamedTuple
 from services.kobuki.config import KobukiConfig
 from services.kobuki.ground import HALF_CELL, LOOK, Floats, Ground, Pose
 from services.kobuki.momentum import SLOW, Momentum
-from services.kobuki.path import free_distance, safe_speed
+from services.kobuki.path import NO_CONTACT, Contact, first_contact, safe_speed
 
 WIDER = 0.1  # [m] looked at beyond what braking takes
 ROUNDING = 1e-6  # [m] by which the same distance differs from one pose to the next
@@ -19,9 +19,28 @@ class Limit(NamedTuple):
 
     factor: float  # 1 for all of it
     distance: float  # [m] the robot can go; beyond what braking takes nobody looks
+    obstruction: Obstruction | None = None  # what is in the way
+
+
+class Obstruction(NamedTuple):
+    """What holds the robot back, for people."""
+
+    kind: str  # edge, obstacle, unseen floor, or what was touched
+    bearing: float  # [rad] from straight ahead, counter-clockwise
+    gap: float  # [m] between it and the robot's hull
+
+    def __str__(self) -> str:
+        return f"{self.kind} {_direction(self.bearing)}, {self.gap:.2f} m from the hull"
 
 
 NONE = Limit(1.0, math.inf)
+DIRECTIONS = (  # up to which angle from straight ahead [rad]
+    (math.radians(25), "ahead"),
+    (math.radians(65), "ahead to the {}"),
+    (math.radians(115), "to the {}"),
+    (math.radians(155), "behind to the {}"),
+    (math.inf, "behind"),
+)
 
 
 class Foresight:
@@ -63,23 +82,31 @@ class Foresight:
         curvatures = self._momentum.curvatures(side, linear, angular, now)
         latency = self._config.reaction + (age or 0.0)
         # what lies behind is not seen, and backing away must stay possible: only what is known to be there counts
-        distance = self._distance(side, max(asks, drift), curvatures, latency, pose, age is not None and side > 0)
-        fastest = safe_speed(distance, self._config.deceleration, latency)
+        contact, points = self._contact(side, max(asks, drift), curvatures, latency, pose, age is not None and side > 0)
+        fastest = safe_speed(contact.distance, self._config.deceleration, latency)
         swerves = len(curvatures) > 1 and drift > max(fastest, SLOW)
         if swerves or asks > fastest:
-            return Limit(0.0 if swerves else fastest / asks, distance)
+            return Limit(0.0 if swerves else fastest / asks, contact.distance, self._obstruction(contact, points, pose))
         return NONE
 
-    def _distance(
+    def _contact(
         self, side: int, speed: float, curvatures: list[float], latency: float, pose: Pose, unknown_too: bool
-    ) -> float:
-        """How far [m] the robot can go on the worst of these arcs [1/m]."""
+    ) -> tuple[Contact, Floats]:
+        """Where the robot comes to on the worst of these arcs [1/m], and the points (2, n) [m] that are not free."""
         braking = speed * latency + speed**2 / (2.0 * self._config.deceleration)
         reach = min(self._radius + braking + WIDER, LOOK)
         points = self._ground.not_free(pose, reach, unknown_too)
         clearance = self._approach(side, points)
-        free = (free_distance(points, side, each, self._radius, clearance) for each in curvatures)
-        return min(*free, reach - self._radius)
+        contacts = [first_contact(points, side, each, self._radius, clearance) for each in curvatures]
+        return min([*contacts, NO_CONTACT._replace(distance=reach - self._radius)]), points
+
+    def _obstruction(self, contact: Contact, points: Floats, pose: Pose) -> Obstruction | None:
+        """What is touched there."""
+        if contact.point < 0:
+            return None
+        x, y = points[:, contact.point]
+        kind = self._ground.kind_at(pose.to_world(points[:, contact.point, None]))
+        return Obstruction(kind, math.atan2(y, x), max(math.hypot(x, y) - self._least, 0.0))
 
     def _approach(self, side: int, points: Floats) -> float:
         """The least distance [m] at which anything may be passed, by what came nearest since something is near."""
@@ -87,3 +114,8 @@ class Foresight:
         before = self._clearance[side] if nearest < self._radius else self._radius
         self._clearance[side] = max(min(before, nearest), self._least)
         return self._clearance[side] - ROUNDING
+
+
+def _direction(bearing: float) -> str:
+    side = "left" if bearing > 0.0 else "right"
+    return next(text for most, text in DIRECTIONS if abs(bearing) <= most).format(side)

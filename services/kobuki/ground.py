@@ -26,6 +26,7 @@ BESIDE = 0.2  # [m] along which an edge that is seen may go on where it is not
 WIDEST = math.radians(80.0)  # a scan is taken in that far to either side
 
 FREE, GUESSED, UNKNOWN, OCCUPIED, EDGE = range(5)  # GUESSED is free because floor was seen behind it
+KINDS = {UNKNOWN: "unseen floor", OCCUPIED: "obstacle", EDGE: "edge"}
 TOUCHED = 8  # added to any of them: forgiving a touch must not forget what was seen there
 
 
@@ -96,13 +97,17 @@ class Ground:
         be free together with the floor behind it, for a hole that begins unseen is first reported at `blind`; but not
         BESIDE an edge, which may go on there.
         """
+        self.mark(ranges, edges, angles, pose)
+        if len(angles) > 1:
+            self._free(free, angles, pose, blind)
+
+    def mark(self, ranges: Floats, edges: Mask, angles: Floats, pose: Pose) -> None:
+        """Take in of such a scan what is in the way."""
         near = np.isfinite(ranges) & (ranges <= 2.0 * MEMORY)
         for which, state in ((near & ~edges, OCCUPIED), (near & edges, EDGE)):
             if which.any():
                 hits, ways = ranges[which], angles[which]
                 self.occupy(pose.to_world(np.stack([hits * np.cos(ways), hits * np.sin(ways)])), state)
-        if len(angles) > 1:
-            self._free(free, angles, pose, blind)
 
     def occupy(self, points: Floats, state: int = OCCUPIED) -> None:
         """Something is in the way at these points (2, n) [m] of the odometry's frame, as far as they are remembered."""
@@ -128,6 +133,11 @@ class Ground:
         there = np.flatnonzero(cells >= (UNKNOWN if unknown_too else OCCUPIED))
         x, y = self._seen_from(pose, window)
         return np.stack([x.ravel()[there], y.ravel()[there]])
+
+    def kind_at(self, point: Floats) -> str:
+        """What is known of a cell that is not free: (2, 1) [m] in the odometry's frame."""
+        state = int(self._state[self._places(point)][0])
+        return "what was touched" if state >= TOUCHED else KINDS[state]
 
     def _free(self, free: Floats, angles: Floats, pose: Pose, blind: float) -> None:
         """Free what beams cross that show floor up to `free` [m]; what was seen free already need not be looked at."""

@@ -20,7 +20,7 @@ from services.kobuki.covariance import Covariance
 from services.kobuki.kinematics import METRES_PER_TICK, WHEEL_SEPARATION
 from services.kobuki.packets import CENTIDEGREE
 from services.kobuki.sensors import Core, Inertia
-from services.kobuki.steps import Discontinuity, Reading, Step, step_between
+from services.kobuki.steps import ClockLead, Contradiction, Discontinuity, Reading, Step, step_between
 
 LENGTH_BY_LENGTH = 1e-4  # [m² / m]
 GYRO_BY_TURN = 1e-4  # [rad² / rad]
@@ -49,6 +49,7 @@ class Estimate(NamedTuple):
     pose_covariance: Covariance
     twist_covariance: Covariance
     new_baseline: str | None = None  # why this packet's motion could not be told, else None
+    contradiction: bool = False  # whether that is because the base said what cannot be
 
 
 class Odometry:
@@ -61,6 +62,7 @@ class Odometry:
     def __init__(self) -> None:
         self._before: Reading | None = None
         self._interruption: str | None = None
+        self._lead = ClockLead()
         self._last = Estimate((0.0, 0.0, 0.0), (0.0, 0.0), Covariance(), UNKNOWN_TWIST)
 
     @property
@@ -75,10 +77,12 @@ class Odometry:
             step = self._step_to(after)
         except Discontinuity as gap:
             silence = 0.0 if self._before is None else now - self._before.now
-            self._last = _without_step(self._last, silence, str(gap))
+            self._last = _without_step(self._last, silence, gap)
+            if not self._last.contradiction:
+                self._lead.interrupted()
         else:
             if step is None:
-                return self._last._replace(new_baseline=None)
+                return self._last._replace(new_baseline=None, contradiction=False)
             self._last = _with_step(self._last, step)
         self._before = after
         return self._last
@@ -95,14 +99,18 @@ class Odometry:
         interruption, self._interruption = self._interruption, None
         if interruption or self._before is None:
             raise Discontinuity(interruption or "first packet")
-        return step_between(self._before, after)
+        step = step_between(self._before, after)
+        if step:
+            self._lead.passed(step.seconds, after.now - self._before.now)
+        return step
 
 
-def _without_step(last: Estimate, silence: float, why: str) -> Estimate:
+def _without_step(last: Estimate, silence: float, why: Discontinuity) -> Estimate:
     """The same place, after `silence` [s] in which the base may have moved."""
     unseen = min(max(silence, 0.0), LONGEST_UNSEEN)
     spread = Covariance.of_deviations(UNSEEN_SPEED * unseen, UNSEEN_SPEED * unseen, UNSEEN_TURN * unseen)
-    return Estimate(last.pose, (0.0, 0.0), last.pose_covariance.plus(spread), UNKNOWN_TWIST, why)
+    covariance = last.pose_covariance.plus(spread)
+    return Estimate(last.pose, (0.0, 0.0), covariance, UNKNOWN_TWIST, str(why), isinstance(why, Contradiction))
 
 
 def _with_step(last: Estimate, step: Step) -> Estimate:

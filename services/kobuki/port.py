@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import errno
+import fcntl
 import os
 import select
 import subprocess
 import sys
+import termios
 from pathlib import Path
 
 import serial
@@ -15,9 +17,10 @@ from services.kobuki import guard
 from services.kobuki.commands import base_control
 
 BAUD = 115_200
-WRITE_TIMEOUT = 0.1  # [s]
 GUARD_PATIENCE = 1.0  # [s] for its last stops
 CHUNK = 4096
+BACKLOG = 56  # [bytes] of four commands, beyond which a slow line would make the next ones late
+PSEUDO_TERMINALS = range(136, 144)  # major device numbers on Linux
 REMEDIES = {
     errno.ENOENT: "no such device: plug the base in, switch it on, and install udev/60-kobuki.rules",
     errno.EACCES: "permission denied: join the group dialout and log in again, or install udev/60-kobuki.rules",
@@ -35,8 +38,9 @@ class Port:
 
     def __init__(self, path: str) -> None:
         self._path = path
+        self._rest = b""  # of a frame that the port took a part of
         try:
-            self._serial = serial.Serial(path, BAUD, timeout=0.0, write_timeout=WRITE_TIMEOUT, exclusive=True)
+            self._serial = serial.Serial(path, BAUD, timeout=0.0, exclusive=True)
         except (OSError, ValueError) as error:
             raise PortLost(f"{path}: {_remedy(error)}") from error
         heart, self._heart = os.pipe()
@@ -68,14 +72,34 @@ class Port:
         """Whether the base sent something that was not read yet."""
         return bool(select.select([self], [], [], 0.0)[0])
 
-    def write(self, data: bytes) -> None:
-        """Send bytes to the base. Raises PortLost."""
-        try:
-            sent = self._write_at_once(data)
-            if sent < len(data):
-                self._serial.write(data[sent:])  # which waits until there is room
-        except OSError as error:  # as are pyserial's own
-            raise PortLost(f"{self._path}: {_remedy(error)}") from error
+    def write(self, data: bytes) -> bool:
+        """Send bytes to the base, whole or not at all; false where the line is busy and nothing was sent.
+
+        Nothing here waits: what a slow line does not take now is old when it does. Raises PortLost.
+        """
+        if self._waiting() > BACKLOG:
+            self._discard()
+        if self._rest and not self._send_rest():
+            return False
+        sent = self._take(data)
+        if sent < len(data):
+            self._rest = data[sent:] if sent else b""
+        return bool(sent)
+
+    def stop(self, data: bytes) -> None:
+        """Send the bytes that stop the base, before all that still waits in the port. Raises PortLost.
+
+        What waits is discarded, perhaps in the middle of a frame, whose rest the base then takes from the first stop;
+        so there are two.
+        """
+        self._discard()
+        self.write(data)
+        self.write(data)
+
+    @property
+    def emulated(self) -> bool:
+        """Whether it is a pseudo-terminal, behind which no real base stands."""
+        return os.major(os.fstat(self.fileno()).st_rdev) in PSEUDO_TERMINALS
 
     def beat(self) -> None:
         """Tell the guard that all is well; to be called more often than it is patient."""
@@ -96,12 +120,34 @@ class Port:
             self._guard.wait()
         self._serial.close()
 
-    def _write_at_once(self, data: bytes) -> int:
-        """How many bytes the port took without waiting: all, as a rule, and without what pyserial does to wait."""
+    def _waiting(self) -> int:
+        """How many bytes the line has not carried yet, where the device tells."""
+        try:
+            return int.from_bytes(fcntl.ioctl(self.fileno(), termios.TIOCOUTQ, bytes(4)), sys.byteorder)
+        except OSError as error:
+            raise PortLost(f"{self._path}: {_remedy(error)}") from error
+
+    def _discard(self) -> None:
+        """Throw away what waits."""
+        self._rest = b""
+        try:
+            termios.tcflush(self.fileno(), termios.TCOFLUSH)
+        except termios.error as error:
+            raise PortLost(f"{self._path}: the base was unplugged") from error
+
+    def _send_rest(self) -> bool:
+        """Send the end of a frame that the port took a part of; whether it is sent."""
+        self._rest = self._rest[self._take(self._rest) :]
+        return not self._rest
+
+    def _take(self, data: bytes) -> int:
+        """How many bytes the port takes now."""
         try:
             return os.write(self.fileno(), data)
         except BlockingIOError:
             return 0
+        except OSError as error:
+            raise PortLost(f"{self._path}: {_remedy(error)}") from error
 
 
 def _remedy(error: Exception) -> str:

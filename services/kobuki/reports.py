@@ -111,7 +111,7 @@ def imu(gyro: Gyro, inertia: Inertia, stamp: int) -> Imu:
     )
 
 
-def safety(decision: Decision, latched: bool, stamp: int) -> SafetyState:
+def safety(decision: Decision, latched: bool, note: str, stamp: int) -> SafetyState:
     """Which rule holds."""
     return SafetyState(
         stamp=stamp,
@@ -120,5 +120,5 @@ def safety(decision: Decision, latched: bool, stamp: int) -> SafetyState:
         asked=decision.asked,
         allowed=decision.allowed,
         latched=latched,
-        note=decision.note,
+        note=note,
     )

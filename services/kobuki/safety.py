@@ -13,15 +13,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from common.base_messages import Rule
+from common.description import CameraDescription
 from common.evidence import EDGES
 from common.messages import LaserScan
+from services.kobuki.approach_monitor import ApproachMonitor, Glance
 from services.kobuki.config import KobukiConfig
-from services.kobuki.foresight import Foresight, Limit
+from services.kobuki.foresight import Foresight, Limit, Obstruction
 from services.kobuki.ground import Floats, Ground, Pose
 from services.kobuki.reflex import Reaction, Reflex, touched
+from services.kobuki.scan_claims import View
 from services.kobuki.sensors import Button, Core, WheelDrop
 
 LONGEST_STEP = 0.1  # [s] for which an acceleration is given at once
+DOUBTED = 1.0  # [s] for which an odometry that contradicted itself is not driven by
 CRAWL = 0.02  # [m/s] below which a robot that is held back turns on the spot
 BOTH_WHEELS = WheelDrop.LEFT | WheelDrop.RIGHT
 NOTHING = -1.0  # [m] where no obstacle holds the robot back
@@ -47,8 +51,9 @@ class Decision(NamedTuple):
     rule: Rule
     allowed: Twist
     asked: Twist
-    distance: float = NOTHING  # [m]
+    distance: float = NOTHING  # [m] the robot can go
     note: str = ""
+    obstruction: Obstruction | None = None
 
 
 class Scan(NamedTuple):
@@ -60,11 +65,13 @@ class Scan(NamedTuple):
     angles: Floats  # [rad] evenly spaced
 
     @classmethod
-    def of(cls, scan: LaserScan) -> Scan:
-        """What a message tells."""
-        ranges = scan.ranges.astype(np.float64)
+    def of(cls, scan: LaserScan, view: View) -> Scan:
+        """What a message tells; it frees no more than the view, nor what it says in one breath not to have seen."""
+        ranges, angles = scan.ranges.astype(np.float64), scan.grid().angles()
         edges = np.isin(scan.intensities, EDGES) if len(scan.intensities) else np.zeros(len(ranges), np.bool_)
-        return cls(ranges, edges, scan.free(), scan.grid().angles())
+        free = scan.free()
+        free[np.isnan(ranges) & (free >= scan.range_max)] = 0.0
+        return cls(ranges, edges, view.within(free, angles), angles)
 
 
 class Safety:
@@ -76,7 +83,11 @@ class Safety:
         self._ground = Ground(pose, config.start_free)
         self._foresight = Foresight(config, self._ground)
         self._decided_at = -math.inf
+        self._approach = ApproachMonitor()
+        self.view = View.undescribed(config.blind)  # what scans may claim to see
         self.latched = ""  # why the emergency stop holds, or nothing
+        self.distrusted = ""  # why the odometry is not believed until clear(), or nothing
+        self._doubt, self._doubted_until = "", -math.inf
         self.restart(pose)
 
     def restart(self, pose: Pose) -> None:
@@ -84,25 +95,40 @@ class Safety:
         self._ground.begin_again(pose, self._config.start_free)
         self._foresight.rest()
         self._reflex.clear()
+        self._approach.begin()
         self._pose = pose
         self._core: Core | None = None
+        self._lost = ""  # why the base is not heard
         self._tilted, self._carried = False, False
         self._asked, self._asked_at = REST, -math.inf
         self._scan_taken = self._scan_came = -math.inf
         self._blind_until = self._decided_at  # [s]; a scan taken before is of a place that nobody knows
         self._before, self._decided_at = REST, -math.inf
 
-    def lose_base(self) -> None:
+    def describe(self, camera: CameraDescription) -> None:
+        """The camera says what it can see."""
+        self.view = View.of(camera, self._config.blind)
+
+    def lose_base(self, why: str = "") -> None:
         """The base has fallen silent."""
-        self._core = None
+        self._core, self._lost = None, why
 
     def stop(self, why: str) -> None:
         """The emergency stop; it holds until clear()."""
         self.latched = why
 
+    def distrust(self, why: str) -> None:
+        """The odometry is wrong; the robot stands still until clear()."""
+        self.distrusted = self.distrusted or why
+
+    def doubt(self, why: str, now: float) -> None:
+        """The odometry may have been wrong for a moment; the robot stands still for as long as it takes to tell."""
+        self._doubt, self._doubted_until = why, now + DOUBTED
+
     def clear(self) -> None:
-        """Let go of the emergency stop and of what bumpers and cliff sensors told."""
-        self.latched = ""
+        """Let go of the emergency stop, of a distrusted odometry, and of what bumpers and cliff sensors told."""
+        self.latched = self.distrusted = ""
+        self._approach.begin()
         self._reflex.clear()
         self._ground.forgive()
 
@@ -114,14 +140,20 @@ class Safety:
     def see(self, scan: Scan, pose: Pose, taken: float, now: float) -> None:
         """A fused scan came, taken at `taken` [s] by a robot at `pose`.
 
-        One that was overtaken is of no use, nor one that was taken with a wheel in the air.
+        One that was overtaken frees nothing, for what it shows may have changed, but what it shows in the way counts:
+        no scan that claims to be of the future keeps an honest one out. One taken with a wheel in the air is of no use.
         """
-        taken = min(taken, now)  # no clock that is ahead may make later scans look fresh
-        if taken < self._scan_taken or self._tilted or taken <= self._blind_until:
+        taken = min(taken, now)
+        if self._tilted or taken <= self._blind_until:
+            return
+        camera = pose.then(self._config.camera())
+        if taken < self._scan_taken:
+            self._ground.mark(scan.ranges, scan.edges, scan.angles, camera)
             return
         self._scan_taken, self._scan_came = taken, now
-        camera = pose.then(self._config.camera())
-        self._ground.see(*scan, camera, self._config.blind)
+        self._ground.see(*scan, camera, self.view.nearest)
+        if wrong := self._approach.see(Glance(scan.ranges, scan.angles, camera, taken)):
+            self.distrust(wrong)
 
     def sense(self, core: Core, pose: Pose) -> None:
         """A packet of the base came, and the robot is at `pose` now."""
@@ -142,7 +174,7 @@ class Safety:
         """The rules that hold whatever was asked, the strongest first."""
         core = self._core
         if core is None:
-            return Decision("no_base", REST, self._asked)
+            return Decision("no_base", REST, self._asked, note=self._lost)
         self._feel(core, now)
         reaction = self._reflex.update(core, self._pose)
         if self.latched:
@@ -151,6 +183,10 @@ class Safety:
             return Decision("wheel_drop", REST, self._asked)
         if core.overcurrent:
             return Decision("overcurrent", REST, self._asked)
+        if self.distrusted:
+            return Decision("odometry", REST, self._asked, note=f"{self.distrusted}; holds until clear_safety")
+        if now < self._doubted_until:
+            return Decision("odometry", REST, self._asked, note=self._doubt)
         return self._backing_off(reaction, now) if reaction else None
 
     def _feel(self, core: Core, now: float) -> None:
@@ -232,7 +268,8 @@ class Safety:
         factor = min(limit.factor for limit in limits)
         if factor < 1.0:
             slower = self._held(wanted.scaled(factor), asked, now)
-            return Decision("obstacle", slower, asked, min(limit.distance for limit in limits))
+            nearest = min(limits, key=lambda limit: limit.distance)
+            return Decision("obstacle", slower, asked, nearest.distance, obstruction=nearest.obstruction)
         return Decision("free" if wanted == asked else "limit", wanted, asked)
 
     def _held(self, slower: Twist, asked: Twist, now: float) -> Twist:

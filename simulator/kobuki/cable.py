@@ -65,12 +65,13 @@ class Cable:
         if self.plugged:
             self.unplug()
 
-    def hear(self) -> bytes:
-        """What a driver wrote since the last time."""
+    def hear(self, room: int | None = None) -> bytes:
+        """What a driver wrote since the last time; where there is `room` [bytes] for so much only, the rest waits."""
         heard = b""
         try:
-            while data := os.read(self._master, READ_SIZE):
+            while data := os.read(self._master, READ_SIZE if room is None else min(room - len(heard), READ_SIZE)):
                 heard += data
+                self.connected = True
         except BlockingIOError:
             self.connected = True
         except OSError:  # EIO: nobody has the port open

@@ -92,6 +92,17 @@ def slip(base: Base, words: list[str]) -> None:
     wheels.model = WheelModel(model.acceleration, model.deceleration, Wheels(float(words[0]), float(words[1])), noise)
 
 
+def encoders(base: Base, words: list[str]) -> None:
+    """Have the encoders count a share of the wheels' way."""
+    firmware = base.firmware
+    firmware.encoders.count(Wheels(float(words[0]), float(words[1])), firmware.drive.travelled)
+
+
+def clock(base: Base, words: list[str]) -> None:
+    """Stop the base's own time, or let it go on."""
+    base.firmware.clock_stands = not ON[words[0]]
+
+
 def battery(base: Base, words: list[str]) -> None:
     """Set the battery's voltage."""
     base.firmware.sensors.battery = float(words[0])
@@ -146,6 +157,10 @@ COMMANDS: dict[str, tuple[str, Handler]] = {
     "digital_input": ("BITS", digital_input),
     "analog_input": ("0|1|2|3 READING", analog_input),
     "slip": ("LEFT RIGHT [NOISE]", slip),
+    "encoders": ("LEFT RIGHT", encoders),
+    "clock": ("on|off", clock),
+    "slow": ("BYTES_A_SECOND", lambda base, words: base.line.slow(float(words[0]))),
+    "repeat": ("on|off", lambda base, words: base.line.repeat(ON[words[0]])),
     "unplug": ("SECONDS", lambda base, words: base.unplug(float(words[0]))),
     "power_cycle": ("[SECONDS]", power_cycle),
     "firmware": ("VERSION", lambda base, words: base.firmware.flash(Version.parse(words[0]))),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections import Counter
 from dataclasses import dataclass, field, replace
 
@@ -11,7 +12,7 @@ from simulator.kobuki.drive import Drive, RampedWheels
 from simulator.kobuki.feedback import FACTORY_GAINS, Gains, SubPayload
 from simulator.kobuki.frames import FrameFinder, frame
 from simulator.kobuki.gyro import Gyro
-from simulator.kobuki.kinematics import clamp, ticks, wheel_speeds
+from simulator.kobuki.kinematics import REST, Wheels, clamp, ticks, wheel_speeds
 from simulator.kobuki.motors import Motors
 from simulator.kobuki.sensors import Sensors
 from simulator.kobuki.ticker import SECOND, Ticker, nanoseconds
@@ -33,6 +34,29 @@ class Received:
     count: Counter[str] = field(default_factory=Counter)
 
 
+class EncoderFault:
+    """What is wrong with the encoders: they count a share of the way only, 0 for nothing, 1 for all of it."""
+
+    def __init__(self) -> None:
+        self._shares = Wheels(1.0, 1.0)
+        self._turned = self._told = REST  # [m] when the shares were set
+
+    def count(self, shares: Wheels, turned: Wheels) -> None:
+        """Count these shares of the way from now on, when the wheels have turned so far [m]. Raises ValueError."""
+        if not all(math.isfinite(share) for share in shares):
+            raise ValueError(f"shares of {shares.left}, {shares.right}, expected numbers")
+        self._turned, self._told = turned, self.read(turned)
+        self._shares = shares
+
+    def read(self, turned: Wheels) -> Wheels:
+        """What the encoders tell [m] of how far the wheels have turned [m]."""
+        left, right = (
+            told + share * (now - then)
+            for told, share, now, then in zip(self._told, self._shares, turned, self._turned, strict=True)
+        )
+        return Wheels(left, right)
+
+
 class Firmware:
     """A base: hears commands, drives its wheels, and tells what it senses every 20 ms.
 
@@ -52,6 +76,8 @@ class Firmware:
         self.received = Received()
         self.packets = 0  # sent in all
         self.discarded = 0  # [bytes] heard that belonged to no command
+        self.encoders = EncoderFault()
+        self.clock_stands = False  # a fault: the base's own time does not go on
         self._dead_time = nanoseconds(dead_time)
         self._clock = 0  # [ns] since the base was made
         self._boot()
@@ -140,7 +166,7 @@ class Firmware:
             if self.powered:
                 self._boot()
             return b""
-        self._stamp += ns
+        self._stamp += 0 if self.clock_stands else ns
         self._gyro.advance(ns)
         return self._packet() if self._packet_due.advance(ns) else b""
 
@@ -155,7 +181,7 @@ class Firmware:
 
     def _streamed(self) -> list[SubPayload]:
         """What every firmware sends in every packet, in its order."""
-        turned = self.drive.travelled
+        turned = self.encoders.read(self.drive.travelled)
         encoders = ticks(turned.left - self._origin.left), ticks(turned.right - self._origin.right)
         power = 0.0 if self.motors.cut else PWM_PER_SPEED
         left, right = (round(clamp(power * speed, 127.0)) for speed in self.drive.speeds)

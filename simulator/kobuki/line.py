@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import random
 
 
@@ -18,6 +19,9 @@ class Line:
         self._garbage = 0
         self._corrupt = 0
         self._silence = 0.0
+        self._repeats = False
+        self._rate = self._room = 0.0  # [bytes/s], [bytes]
+        self._last = b""
 
     def garbage(self, count: int) -> None:
         """Send some random bytes ahead of what the base says next."""
@@ -31,15 +35,36 @@ class Line:
         """Hand over the stream in pieces of this many bytes, whatever is whole then; 0: as it comes."""
         self._size = size
 
+    def repeat(self, on: bool) -> None:
+        """Hand over the last packet again and again, in the place of each new one."""
+        self._repeats = on
+
     def pause(self, seconds: float) -> None:
         """Lose what the base says in the next seconds."""
         self._silence = max(self._silence, seconds)
+
+    def slow(self, rate: float) -> None:
+        """Carry what a driver says at so many bytes in a second; 0: at once. Raises ValueError."""
+        if not 0.0 <= rate < math.inf:
+            raise ValueError(f"{rate} bytes in a second, expected 0 or more")
+        self._rate, self._room = rate, 0.0
+
+    def room(self, dt: float) -> int | None:
+        """How many bytes of a driver's arrive in the next `dt` [s]; None for as many as there are."""
+        if not self._rate:
+            return None
+        self._room = min(self._room + self._rate * dt, self._rate)
+        room = int(self._room)
+        self._room -= room
+        return room
 
     def carry(self, said: bytes, dt: float) -> list[bytes]:
         """What arrives, piece by piece, of what was said during the last `dt` [s]."""
         silent, self._silence = self._silence > 0.0, max(0.0, self._silence - dt)
         if silent:
             return []
+        if said:
+            said = self._last = self._last if self._repeats and self._last else said
         if said and self._corrupt > 0:
             self._corrupt -= 1
             said = self._flipped(said)

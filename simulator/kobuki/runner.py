@@ -49,7 +49,7 @@ class Runner:
         self._plug()
         if self.cable.plugged:
             self.cable.say(pieces)
-            self._hear()
+            self._hear(dt)
         if self.server:
             self.server.serve(self._execute)
             self._plug()
@@ -68,8 +68,8 @@ class Runner:
             self.cable.unplug()
             self._note_connection()
 
-    def _hear(self) -> None:
-        heard = self.cable.hear()
+    def _hear(self, dt: float) -> None:
+        heard = self.cable.hear(self.base.line.room(dt))
         self._note_connection()
         for command in self.base.receive(heard):
             self._tell(fields(command))

@@ -20,7 +20,7 @@ from services.kobuki.config import KobukiConfig
 from services.kobuki.safety import REST, Decision
 from simulator.world import Pose, World
 
-HOLE = 20  # a world in which the driver soon wants to cross a hole
+HOLE = 8  # a world in which the driver soon wants to cross a hole
 
 
 @pytest.fixture(scope="module")

@@ -1,4 +1,4 @@
-"""One wait serves jobs of any thread and the port."""
+"""One wait serves jobs of any thread and the port; a stop waits for nothing, and nothing grows without end."""
 
 import os
 import threading
@@ -26,17 +26,24 @@ def port():
     os.close(pipe.other)
 
 
-def test_jobs_come_out_in_order():
+def one():
+    pass
+
+
+def two():
+    pass
+
+
+def test_others_come_out_one_at_a_time_and_in_order():
     jobs = Jobs()
-    one, two = lambda: None, lambda: None
     assert jobs.put(one)
     assert jobs.put(two)
-    assert [jobs.take(), jobs.take(), jobs.take()] == [one, two, None]
+    assert [jobs.take(), jobs.take(), jobs.take()] == [[one], [two], []]
 
 
 def test_a_job_of_another_thread_ends_the_wait(port):
     jobs = Jobs()
-    threading.Timer(0.05, lambda: jobs.put(lambda: None)).start()
+    threading.Timer(0.05, lambda: jobs.put(one)).start()
     assert not jobs.wait(port, 60.0)
     assert jobs.take()
 
@@ -48,11 +55,13 @@ def test_the_port_ends_the_wait(port):
     assert not jobs.take()
 
 
-def test_while_a_job_is_left_nobody_waits(port):
+@pytest.mark.parametrize("put", [Jobs.put, Jobs.put_urgent, lambda jobs, job: jobs.put_newest("key", job)])
+def test_while_a_job_is_left_nobody_waits(port, put):
     jobs = Jobs()
-    jobs.put(lambda: None)
-    jobs.put(lambda: None)
+    jobs.put(one)
+    put(jobs, two)
     jobs.wait(port, 60.0)
+    jobs.put(one)
     jobs.take()
     assert not jobs.wait(None, 60.0)
     assert jobs.take()
@@ -60,7 +69,7 @@ def test_while_a_job_is_left_nobody_waits(port):
 
 def test_the_bell_is_heard_once():
     jobs = Jobs()
-    jobs.put(lambda: None)
+    jobs.put(one)
     jobs.wait(None, 60.0)
     jobs.take()
     assert not jobs.wait(None, 0.0)
@@ -70,4 +79,30 @@ def test_when_nobody_takes_them_the_oldest_gives_way():
     jobs = Jobs()
     assert all(jobs.put(lambda n=n: n) for n in range(ROOM))
     assert not jobs.put(lambda: ROOM)
-    assert jobs.take()() == 1
+    assert jobs.take()[0]() == 1
+
+
+def test_urgent_jobs_come_first_and_none_is_lost():
+    jobs = Jobs()
+    for _ in range(2 * ROOM):
+        jobs.put(one)
+        jobs.put_newest("driver", one)
+    jobs.put_urgent(two)
+    jobs.put_urgent(one)
+    assert jobs.take() == [two, one, one, one]
+
+
+def test_of_one_key_only_the_newest_is_done():
+    jobs = Jobs()
+    assert jobs.put_newest("a", one)
+    assert jobs.put_newest("b", one)
+    assert jobs.put_newest("a", two)
+    assert jobs.take() == [two, one]
+
+
+def test_there_is_no_room_for_any_number_of_keys():
+    jobs = Jobs()
+    assert all(jobs.put_newest(str(n), one) for n in range(ROOM))
+    assert not jobs.put_newest("another", one)
+    assert jobs.put_newest("0", two)
+    assert len(jobs.take()) == ROOM

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from services.kobuki.momentum import SLOW, Momentum
-from services.kobuki.path import free_distance, safe_speed
+from services.kobuki.path import first_contact, safe_speed
 
 RADIUS = 0.21
 STEP = 0.001  # [m]
@@ -20,7 +20,7 @@ speeds = st.one_of(st.floats(0.05, 0.7), st.floats(-0.7, -0.05))
 def driven(points, linear, angular, radius=RADIUS, clearance=None):
     """The free distance of a velocity; nothing is near already."""
     side = 1 if linear > 0 else -1
-    return free_distance(points, side, angular / linear, radius, radius if clearance is None else clearance)
+    return first_contact(points, side, angular / linear, radius, radius if clearance is None else clearance).distance
 
 
 def moved(points, linear, angular, longest):

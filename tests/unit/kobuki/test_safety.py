@@ -11,8 +11,11 @@ from services.kobuki.config import KobukiConfig
 from services.kobuki.ground import Pose
 from services.kobuki.path import safe_speed
 from services.kobuki.safety import NOTHING, REST, Safety, Scan, Twist
+from services.kobuki.scan_claims import View
 from tests import build
 from tests.kobuki_gate import HERE, TICK, Drive
+
+VIEW = View.undescribed(0.75)
 
 
 def test_the_default_latency_covers_the_base_and_the_time_between_decisions():
@@ -20,14 +23,15 @@ def test_the_default_latency_covers_the_base_and_the_time_between_decisions():
 
 
 def test_a_message_tells_where_the_floor_ends_and_how_far_it_was_seen():
-    told = Scan.of(build.scan([1, 1, 1, 1, 1, math.inf], [1, 2, 3, 4, 5, 0], [0.9, 0.8, 0.7, 0.6, 0.5, 3.0]))
+    sent = build.scan([1, 1, 1, 1, 1, math.inf], [1, 2, 3, 4, 5, 0], [0.9, 0.8, 0.7, 0.6, 0.5, 3.0])
+    told = Scan.of(sent, VIEW)
     assert told.edges.tolist() == [False, True, True, True, False, False]
     np.testing.assert_allclose(told.free, [0.9, 0.8, 0.7, 0.6, 0.5, 3.0], rtol=1e-6)
     np.testing.assert_array_equal(told.ranges, [1, 1, 1, 1, 1, math.inf])
 
 
 def test_a_message_of_nothing_but_ranges_is_taken_at_its_word():
-    told = Scan.of(build.scan([1.0, math.inf, math.nan]))
+    told = Scan.of(build.scan([1.0, math.inf, math.nan]), VIEW)
     assert not told.edges.any()
     np.testing.assert_array_equal(told.free, [1.0, 10.0, 0.0])
 

@@ -1,0 +1,187 @@
+"""Between the network, the base's controller and its port: all that happens, happens in one thread, one after another.
+
+A command, a scan or a request is put in as a job. A turn waits for a job or for bytes of the base, takes in what there
+is, and does what is due. So nothing here needs a lock, and a decision always follows from all that came before it.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+
+from common import topics
+from common.base_messages import Velocity
+from common.description import BodyDescription, RobotDescription
+from common.message import MessageError
+from common.messages import LaserScan
+from common.service import Service
+from services.kobuki import commands, reports
+from services.kobuki.config import KobukiConfig
+from services.kobuki.controller import TICK, BaseController
+from services.kobuki.desk import Answer, Desk, done, no_desk
+from services.kobuki.jobs import Job, Jobs
+from services.kobuki.news import News
+from services.kobuki.port import Port, PortLost
+
+BEAT = 0.05  # [s] between two heartbeats for the guard
+REPORT = 1.0  # [s] between two reports of an unchanged rule
+SILENCE_TOLD = 1.0  # [s] of a silent base after which the service cannot do its work
+BACK_OFF = (0.5, 8.0)  # [s] before the first and, doubled each time, before a later attempt to open the port
+
+
+class IoLoop:
+    """The base's side of the network and the network's side of the base."""
+
+    def __init__(self, service: Service[KobukiConfig]) -> None:
+        self._service = service
+        self._config = service.config
+        self._jobs = Jobs()
+        self._port: Port | None = None
+        self._delay, self._retry_at = BACK_OFF[0], -math.inf
+        self._controller = BaseController(service.config, service.tally.complain)
+        self._reported_at = self._beaten_at = -math.inf
+        self._reported: tuple[object, ...] = ()
+        self._news = News(service)
+        self._safety = service.publisher(topics.SAFETY)
+        self._describe = service.bus.latch(topics.DESCRIPTION)
+
+    def listen(self) -> None:
+        """Receive commands, scans, the camera's description and requests from now on."""
+        bus = self._service.bus
+        self._service.receive(topics.VELOCITY, self._on_command)
+        self._service.receive(topics.SCAN_FUSED, self._on_scan)
+        bus.receive_latched(topics.DESCRIPTION.path, self._on_description)
+        bus.answer(topics.command("stop"), Desk(self._jobs.put_urgent, self._stop))
+        requests = self._controller.requests()
+        bus.answer(topics.command("clear_safety"), Desk(self._jobs.put_urgent, requests["clear_safety"]))
+        for name in requests.keys() - {"clear_safety"}:
+            bus.answer(topics.command(name), Desk(self._put, requests[name]))
+        names = ["stop", *requests]
+        bus.answer(topics.command("*"), no_desk(names), but_at=[*map(topics.command, names)])
+
+    def turn(self) -> None:
+        """Take in what comes within a tick, do what is to be done, and what is due."""
+        try:
+            if self._jobs.wait(self._port, TICK) and self._port:
+                self._read(self._port)
+            for job in self._jobs.take():
+                job()
+                self._send()
+            self._due(time.monotonic())
+            self._send()
+            self._report(time.monotonic())
+        except PortLost as lost:
+            self._lose(str(lost))
+
+    def close(self) -> None:
+        """Stop the wheels and let go of the port."""
+        if self._port:
+            try:
+                self._port.stop(commands.base_control(0.0, 0.0))
+            except PortLost as lost:
+                self._service.tally.complain("port_lost", str(lost))
+            self._port.close()
+            self._port = None
+
+    # ---- the port
+
+    def _open(self, now: float) -> None:
+        self._port = Port(self._config.port)
+        self._controller.connect(self._port.emulated, now)
+        self._news.begin()
+        body = BodyDescription(simulated=self._port.emulated, radius=self._config.robot_radius)
+        self._describe(RobotDescription(stamp=time.time_ns(), body=body))
+
+    def _lose(self, why: str) -> None:
+        port, self._port = self._port, None
+        if port:
+            port.close()
+        self._service.tally.complain("port_lost", f"{why}; trying again in {self._delay:g} s")
+        self._service.waiting(why)
+        self._retry_at = time.monotonic() + self._delay
+        self._delay = min(2 * self._delay, BACK_OFF[1])
+        self._controller.disconnect()
+
+    def _read(self, port: Port) -> None:
+        for report in self._controller.receive(port.read(), time.time_ns(), time.monotonic()):
+            self._send()
+            self._news.tell(report.feedback, report.core, report.estimate, report.stamp)
+        if not port.has_more():
+            self._controller.caught_up()
+
+    def _send(self) -> None:
+        """Write what the controller wants to be written."""
+        for data, stop in self._controller.take_outputs():
+            if not self._port:
+                continue
+            if stop:
+                self._port.stop(data)
+            elif not self._port.write(data):
+                self._service.tally.count("line_busy")
+
+    # ---- what comes
+
+    def _put(self, job: Job) -> None:
+        if not self._jobs.put(job):
+            self._service.tally.complain("overtaken", "more requests come than can be done")
+
+    def _on_command(self, message: Velocity) -> None:
+        def job() -> None:
+            self._controller.command(message, time.time_ns(), time.monotonic())
+
+        if not self._jobs.put_newest(f"command of {message.source}", job):
+            self._service.tally.complain("command_refused", "too many sources want to drive")
+
+    def _on_scan(self, scan: LaserScan) -> None:
+        self._jobs.put_newest("scan", lambda: self._controller.scan(scan, time.time_ns(), time.monotonic()))
+
+    def _on_description(self, path: str, payload: bytes) -> None:
+        try:
+            camera = RobotDescription.decode(payload).camera
+        except MessageError as error:
+            self._service.tally.complain("malformed", f"{path}: {error}")
+            return
+        if camera:
+            self._jobs.put_newest("camera", lambda: self._controller.describe(camera))
+
+    # ---- what is due
+
+    def _due(self, now: float) -> None:
+        """Beat the guard's heart, open a port that is lost, let the controller notice that time passes."""
+        if self._port and now - self._beaten_at >= BEAT:
+            self._beaten_at = now
+            self._port.beat()
+        if not self._port and now >= self._retry_at:
+            self._open(now)
+        self._controller.tick(now)
+        self._tell_whether_it_works(now)
+
+    def _tell_whether_it_works(self, now: float) -> None:
+        """The service works while the base is heard and may be driven."""
+        controller, service = self._controller, self._service
+        if not self._port:
+            return
+        if now - controller.heard_at > SILENCE_TOLD:
+            why = controller.refused or f"{self._config.port}: the base is silent; is it switched on?"
+            if (service.state, service.note) != ("waiting", why):
+                service.tally.complain("silent", why)
+                service.waiting(why)
+        elif controller.accepted and service.state != "working":
+            self._delay = BACK_OFF[0]
+            service.ready()
+
+    def _report(self, now: float) -> None:
+        """Publish which rule holds, when that changes and once a second."""
+        controller = self._controller
+        note = controller.note(now)
+        words = "".join(each for each in note if not each.isdigit())  # a distance that changes is no news by itself
+        news = (controller.decision.rule, controller.latched, words)
+        if news != self._reported or now - self._reported_at >= REPORT:
+            self._reported, self._reported_at = news, now
+            self._safety.put(reports.safety(controller.decision, controller.latched, note, time.time_ns()))
+
+    # ---- what is asked for
+
+    def _stop(self, _: Answer) -> Answer:
+        self._controller.stop(time.monotonic())
+        return done("stopped until clear_safety")
