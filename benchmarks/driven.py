@@ -14,12 +14,13 @@ from cliffscan.system import Plan, System
 from common.base_messages import Velocity
 from common.config import SERVICES
 from common.service import StopSignal
-from common.topics import VELOCITY
+from common.topics import VELOCITY, command
 from experiments.collect import free_port
 from simulator.kobuki.client import Remote
 
 STEP = 0.02  # [s] between two looks at the processes
 STARTING = 60.0  # [s]
+SOURCE = "benchmark"
 RATE = 10.0  # [Hz] of the frames: two cores keep up
 
 
@@ -61,7 +62,7 @@ class DrivenRobot:
         """Wait until all of it works, and can be driven. Raises TimeoutError, Interrupted."""
         self.wait((self.folder / "control").is_socket, "the simulation")
         self.wait(lambda: self.system.alive.issuperset(SERVICES), "the services")
-        self._velocity = self.system.bus.publisher(VELOCITY)
+        self.velocity = self.system.bus.publisher(VELOCITY)
 
     def wait(self, holds: Callable[[], bool], what: str) -> None:
         """Wait until that holds. Raises TimeoutError, Interrupted."""
@@ -79,7 +80,13 @@ class DrivenRobot:
 
     def drive(self, linear: float, angular: float) -> None:
         """Ask for a velocity [m/s, rad/s]."""
-        self._velocity.put(Velocity(stamp=time.time_ns(), linear=linear, angular=angular))
+        self.velocity.put(Velocity(stamp=time.time_ns(), linear=linear, angular=angular, source=SOURCE))
+
+    def ask(self, name: str) -> None:
+        """Have the base do something, as `clear_safety`. Raises RuntimeError where it does not."""
+        answer = self.system.bus.ask(command(name), {}, STARTING)
+        if not answer or answer.get("ok") is not True:
+            raise RuntimeError(f"{name}: {answer}")
 
     def truth(self) -> dict[str, Any]:
         """The simulation's time [s] and what no sensor tells, as simulator/live.py has it."""

@@ -1,7 +1,6 @@
 """What can go wrong, by name: how it begins, how it ends.
 
-A camera that repeats its last image with new stamps cannot be told from one that stands before something still, so it
-is no fault of this list. A base whose line is cut obeys its last command, for nobody can tell it to stop, and the
+A base whose line is cut obeys its last command, for nobody can tell it to stop, and the
 emulated firmware has no timeout of its own, as the real one may not have either.
 """
 
@@ -19,8 +18,15 @@ from common.config import SERVICES
 PROCESSES = ("router", *SERVICES)
 LATE = 0.6  # [s] of a late frame
 CUT = 1.5  # [s] of the serial line
+CREEPING = (4.0, 8.0)  # [s] of a fault that shows on the way only
+FLOODED = 0.3  # [s] of a flood before the stop
+SLOW = 1200  # [bytes/s] of a slow one, a tenth of the real one
 
 Deed = Callable[[Rig], None]
+
+
+def nothing(rig: Rig) -> None:
+    """What has to be done where something else does it."""
 
 
 class Fault(NamedTuple):
@@ -28,10 +34,8 @@ class Fault(NamedTuple):
 
     begin: Deed
     end: Deed
-
-
-def nothing(rig: Rig) -> None:
-    """What has to be done where something else does it."""
+    prepare: Deed = nothing  # before the robot drives: what takes a while to start
+    lasts: tuple[float, float] = (1.2, 2.5)  # [s] from its beginning to its end
 
 
 def tell(name: str, number: signal.Signals, rig: Rig) -> None:
@@ -59,6 +63,52 @@ def quiet(silent: bool, rig: Rig) -> None:
     rig.quiet = silent
 
 
+def encoders(share: float, rig: Rig) -> None:
+    """Have the encoders count a share of the way; what the gate then no longer believes, an operator clears."""
+    rig.remote.tell(f"encoders {share} {share}")
+    if share == 1.0:
+        rig.ask("clear_safety")
+
+
+def late(on: bool, rig: Rig) -> None:
+    """Hold the driver's commands back, and let them arrive in bursts."""
+    rig.late = on
+    if not on:
+        rig.burst()
+
+
+def intrude(kind: str, rig: Rig) -> None:
+    """Let somebody else onto the network."""
+    rig.intrude(kind)
+
+
+def blind(rig: Rig) -> None:
+    """The camera is gone, and only somebody else publishes scans."""
+    rig.release()
+    rig.relay.mode = "dropped"
+
+
+def sighted(rig: Rig) -> None:
+    """The camera is back, and nobody else publishes scans."""
+    rig.expel()
+    rig.relay.mode = "pass"
+
+
+def flood(rig: Rig) -> None:
+    """Commands and requests without end; when they have come, an operator asks for a stop."""
+    rig.release()
+    end = rig.look().time + FLOODED
+    while rig.step().time < end:
+        pass
+    rig.ask("stop")
+
+
+def ebb(rig: Rig) -> None:
+    """A flood ends, and somebody clears the stop."""
+    rig.expel()
+    rig.ask("clear_safety")
+
+
 def known_faults() -> dict[str, Fault]:
     """All faults by name."""
     found: dict[str, Fault] = {}
@@ -74,5 +124,16 @@ def known_faults() -> dict[str, Fault]:
         "frames dropped": Fault(partial(frames, "dropped"), passing),
         "line cut": Fault(partial(line, f"unplug {CUT}"), nothing),
         "line mute": Fault(partial(line, f"pause {CUT}"), nothing),
+        "frames repeated": Fault(partial(frames, "repeated"), passing),
+        "base clock stuck": Fault(partial(line, "clock off"), partial(line, "clock on")),
+        "packets repeated": Fault(partial(line, "repeat on"), partial(line, "repeat off")),
+        "encoders stuck": Fault(partial(encoders, 0.0), partial(encoders, 1.0)),
+        "odometry at half": Fault(partial(encoders, 0.5), partial(encoders, 1.0), lasts=CREEPING),
+        "slow port": Fault(partial(line, f"slow {SLOW}"), partial(line, "slow 0")),
+        "commands in bursts": Fault(partial(late, True), partial(late, False)),
+        "two drivers": Fault(Rig.release, Rig.expel, partial(intrude, "drive")),
+        "flooded bus, then stop": Fault(flood, ebb, partial(intrude, "flood")),
+        "scans from the future": Fault(blind, sighted, partial(intrude, "future")),
+        "scans of two beams": Fault(blind, sighted, partial(intrude, "two_beams")),
         "driver silent": Fault(partial(quiet, True), partial(quiet, False)),
     }

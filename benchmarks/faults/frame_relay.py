@@ -12,7 +12,7 @@ from simulator import wire
 from simulator.frame_server import FrameServer
 from simulator.wire import FrameReader, WireFrame
 
-Mode = Literal["pass", "late", "frozen", "dropped"]
+Mode = Literal["pass", "late", "frozen", "repeated", "dropped"]
 
 PATIENCE = 5.0  # [s]
 READ_SIZE = 1 << 20  # [bytes]
@@ -27,8 +27,8 @@ class FrameRelay:
         self._server = FrameServer(address)
         self._connection = wire.connect(source, PATIENCE)
         self._connection.settimeout(None)
-        self._waiting: deque[tuple[float, bytes]] = deque()  # when it came, and the frame
-        self._last = b""
+        self._waiting: deque[tuple[float, WireFrame]] = deque()  # when it came, and the frame
+        self._last: WireFrame
         threading.Thread(target=self._listen, daemon=True).start()
 
     def close(self) -> None:
@@ -44,14 +44,21 @@ class FrameRelay:
                     self._hand_on(frame)
 
     def _hand_on(self, frame: WireFrame) -> None:
-        """Treat a frame as the mode says; a frozen camera repeats its last image with the stamp that it had."""
+        """Treat a frame as the mode says.
+
+        A frozen camera repeats its last image with the stamp that it had, a hung driver repeats it with a fresh one.
+        """
         if self.mode == "dropped":
             return
         if self.mode == "frozen":
-            self._server.offer(self._last)
+            self._server.offer(wire.pack(*self._last))
             return
-        self._waiting.append((time.monotonic(), wire.pack(*frame)))
+        if self.mode == "repeated":
+            header, image = self._last
+            self._server.offer(wire.pack({**header, "stamp": frame[0]["stamp"]}, image))
+            return
+        self._waiting.append((time.monotonic(), frame))
         delay = self.delay if self.mode == "late" else 0.0
         while self._waiting and time.monotonic() - self._waiting[0][0] >= delay:
             self._last = self._waiting.popleft()[1]
-            self._server.offer(self._last)
+            self._server.offer(wire.pack(*self._last))

@@ -5,20 +5,26 @@ from __future__ import annotations
 import os
 import random
 import signal
+import subprocess
+import sys
+import time
 from contextlib import ExitStack
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from types import TracebackType
 from typing import NamedTuple, Self
 
-from benchmarks.driven import DrivenRobot
+from benchmarks.driven import SOURCE, DrivenRobot
 from benchmarks.faults.frame_relay import FrameRelay
 from benchmarks.faults.shuttle import START, WORLD, Shuttle
+from common.base_messages import Velocity
 from common.service import StopSignal
 from simulator.kobuki.client import Remote
 from simulator.world import Pose
 
 TURNING, ONCE = 0.6, 13.0  # [rad/s], [s]
+OUTAGE = 1.5  # [s] after which held commands arrive in a burst
+STALE = 0.55  # [s] of the youngest command in it
 
 
 class Sample(NamedTuple):
@@ -35,6 +41,9 @@ class Rig:
 
     def __init__(self, stop: StopSignal, rng: random.Random) -> None:
         self.quiet = False  # the driver says nothing
+        self.late = False  # what the driver says comes in bursts
+        self._held: list[Velocity] = []  # commands that wait for the next burst
+        self._intruder: subprocess.Popen[bytes] | None = None
         self._turning = False
         self._stop = stop
         self._shuttle = Shuttle(rng)
@@ -48,6 +57,7 @@ class Rig:
             self._robot.wait(frames.is_socket, "the simulation")
             self.relay = FrameRelay(str(frames), str(self._robot.folder / "frames"))
             entered.callback(self.relay.close)
+            entered.callback(self.expel)
             self._robot.ready()
             self._exit = entered.pop_all()
         return self
@@ -72,8 +82,50 @@ class Rig:
         self._robot.pause()
         sample = self.look()
         if not self.quiet:
-            self._robot.drive(*((0.0, TURNING) if self._turning else self._shuttle.command(sample.pose)))
+            self._drive(*((0.0, TURNING) if self._turning else self._shuttle.command(sample.pose)))
         return sample
+
+    def _drive(self, linear: float, angular: float) -> None:
+        if not self.late:
+            self._robot.drive(linear, angular)
+            return
+        self._held.append(Velocity(stamp=time.time_ns(), linear=linear, angular=angular, source=SOURCE))
+        if self._held[-1].stamp - self._held[0].stamp > OUTAGE * 1e9:
+            self.burst()
+
+    def burst(self) -> None:
+        """Let all commands that an outage held back arrive at once, but for the newest: those were never sent."""
+        now = time.time_ns()
+        for command in self._held:
+            if now - command.stamp > STALE * 1e9:
+                self._robot.velocity.put(command)
+        self._held.clear()
+
+    def intrude(self, kind: str) -> None:
+        """Let a program of somebody else's onto the network; it waits for release()."""
+        plan = self._robot.system.plan
+        words = [kind, "--robot", plan.robot, "--connect", plan.endpoint]
+        command = [sys.executable, "-m", "benchmarks.faults.intruder", *words]
+        self._intruder = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE)
+        if not (self._intruder.stdout and self._intruder.stdout.readline()):
+            raise RuntimeError(f"the intruder {kind} did not start")
+
+    def release(self) -> None:
+        """Let it begin."""
+        if self._intruder and self._intruder.stdin:
+            self._intruder.stdin.write(b"\n")
+            self._intruder.stdin.flush()
+
+    def expel(self) -> None:
+        """End it."""
+        if self._intruder:
+            self._intruder.kill()
+            self._intruder.wait()
+            self._intruder = None
+
+    def ask(self, name: str) -> None:
+        """Ask the base's service for something, as an operator would."""
+        self._robot.ask(name)
 
     def look(self) -> Sample:
         """Where the robot is now."""

@@ -16,7 +16,6 @@ REST = 0.02  # [m/s] slower is at rest
 GOING = 0.7  # of the speed that is asked for: it drives
 GOES_ON = 0.05  # [m/s]
 DRIVES = (0.2, 2.5)  # [s] for which it has driven when the fault comes
-LASTS = (1.2, 2.5)  # [s] of a fault that does not end by itself
 AFTER = 1.0  # [s] for which it must drive when the fault is over, or it has not gone on
 GIVE_UP = 25.0  # [s] after which it does not any more
 
@@ -35,8 +34,9 @@ class Outcome(NamedTuple):
 
 def run_trial(rig: Rig, name: str, fault: Fault, rng: random.Random) -> Outcome:
     """Drive for a while, have the fault, see what comes of it."""
+    fault.prepare(rig)
     before = started(rig, rng.uniform(*DRIVES))
-    lasts = rng.uniform(*LASTS)
+    lasts = rng.uniform(*fault.lasts)
     fault.begin(rig)
     rested, last = until(rig, before.time + lasts, lambda sample: abs(sample.speed) < REST)
     if rested:

@@ -46,9 +46,9 @@ def drive(scene, share=1.0, turn=0.0, speed=0.4, seconds=4.0, noise=0.0):
 
 
 SCENES = {
-    "a wall ahead": lambda pose, now: wall(3.0, pose),
-    "a wall aslant": lambda pose, now: wall(3.0, pose, 0.5),
-    "a wall across a corridor": lambda pose, now: np.minimum(corridor(pose), wall(3.0, pose)),
+    "a wall ahead": lambda pose, _: wall(3.0, pose),
+    "a wall aslant": lambda pose, _: wall(3.0, pose, 0.5),
+    "a wall across a corridor": lambda pose, _: np.minimum(corridor(pose), wall(3.0, pose)),
 }
 
 
@@ -58,7 +58,7 @@ def test_an_odometry_that_tells_half_of_the_way_is_found_out(scene, turn):
     assert "times as fast as the odometry says" in drive(scene, share=0.5, turn=turn, noise=0.0015)
 
 
-@pytest.mark.parametrize("scene", [*SCENES.values(), lambda pose, now: corridor(pose)])
+@pytest.mark.parametrize("scene", [*SCENES.values(), lambda pose, _: corridor(pose)])
 @pytest.mark.parametrize("share", [0.8, 1.0, 1.1])
 @pytest.mark.parametrize("turn", [0.0, 0.3])
 def test_one_that_is_about_right_is_believed(scene, share, turn):
@@ -78,15 +78,15 @@ def test_people_who_come_nearer_are_people(speed):
 
 
 def test_one_person_in_an_empty_hall_is_too_narrow_to_tell():
-    assert not drive(lambda pose, now: person(np.full(640, np.inf), 0.0, max(3.5 - 1.0 * now, 1.6)))
+    assert not drive(lambda _, now: person(np.full(640, np.inf), 0.0, max(3.5 - 1.0 * now, 1.6)))
 
 
 def test_what_moves_along_with_the_robot_does_not_come_nearer():
-    assert not drive(lambda pose, now: np.full(640, 3.0))
+    assert not drive(lambda *_: np.full(640, 3.0))
 
 
 def test_where_nothing_is_seen_nothing_is_said():
-    assert not drive(lambda pose, now: np.full(640, np.inf), share=0.5)
+    assert not drive(lambda *_: np.full(640, np.inf), share=0.5)
 
 
 def test_a_standing_robot_says_nothing():

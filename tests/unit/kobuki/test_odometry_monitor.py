@@ -1,4 +1,4 @@
-"""Encoders that stand still, run away or contradict the gyro are not driven by; slow, turning and braking wheels are."""
+"""Encoders that stand still, run away or contradict the gyro are not driven by; those of a slow base are."""
 
 import math
 
@@ -34,9 +34,8 @@ class Wheels:
                 self.ways[wheel] += self.shares[wheel] * self.speeds[wheel] * TICK
             self.gyro += self.gyro_share * (self.speeds[1] - self.speeds[0]) / WHEEL_SEPARATION * TICK
             self.monitor.read(self.now, *self.ways, self.gyro)
-            for why in (self.monitor.stuck(self.now), self.monitor.runaway(self.now), self.monitor.contradicted()):
-                if why:
-                    said.append((self.now, why))
+            reasons = self.monitor.stuck(self.now), self.monitor.runaway(self.now), self.monitor.contradicted()
+            said += [(self.now, why) for why in reasons if why]
             self.monitor.send(linear, angular, self.now)
         return said
 

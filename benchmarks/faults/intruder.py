@@ -1,0 +1,115 @@
+"""A program on the robot's network that lies, wants to drive, or asks for more than anybody can do.
+
+`python -m benchmarks.faults.intruder KIND --robot NAME --connect ENDPOINT` says that it is ready, waits for a line, and
+goes on until it is ended.
+"""
+
+from __future__ import annotations
+
+import argparse
+import itertools
+import math
+import sys
+import time
+from collections.abc import Callable
+from functools import partial
+from threading import Thread
+
+import numpy as np
+import zenoh
+
+from common.base_messages import Velocity
+from common.combine import NOT_TOLD
+from common.messages import LaserScan
+from common.topics import SCAN_FUSED, VELOCITY, command
+
+COMMANDS, REQUESTS = 5000.0, 20_000.0  # [Hz] of a flood
+SCANS, DRIVES = 30.0, 50.0  # [Hz]
+AHEAD = 0.09  # [s] of a stamp
+TOLD_CLEAR = 4.0  # [m]
+SPEED = 0.5  # [m/s], straight on
+BUNCHES = 200  # a second, of which each has its part of a flood
+
+
+def free_scan(stamp: int, beams: int) -> LaserScan:
+    """A scan of a camera's view in which everything is free."""
+    half = math.radians(29.0)
+    return LaserScan(
+        seq=0,
+        stamp=stamp,
+        frame="camera_footprint",
+        angle_min=-half,
+        angle_max=half,
+        angle_increment=2.0 * half / (beams - 1),
+        time_increment=0.0,
+        scan_time=0.033,
+        range_min=0.0,
+        range_max=TOLD_CLEAR,
+        ranges=np.full(beams, np.inf, np.float32),
+        intensities=NOT_TOLD,
+    )
+
+
+def at_rate(rate: float, act: Callable[[], object]) -> None:
+    """Do something so often a second [Hz], in bunches, for ever."""
+    bunch = max(round(rate / BUNCHES), 1)
+    began = time.monotonic()
+    for done in itertools.count(bunch, bunch):
+        for _ in range(bunch):
+            act()
+        time.sleep(max(began + done / rate - time.monotonic(), 0.0))
+
+
+class Intruder:
+    """What it can do, each for ever."""
+
+    def __init__(self, robot: str, endpoint: str) -> None:
+        config = zenoh.Config()
+        config.insert_json5("mode", '"client"')
+        config.insert_json5("connect/endpoints", f'["{endpoint}"]')
+        self._robot, self._session = robot, zenoh.open(config)
+
+    def future(self) -> None:
+        """Scans from the future."""
+        at_rate(SCANS, lambda: self._put(SCAN_FUSED.path, free_scan(time.time_ns() + round(AHEAD * 1e9), 640).encode()))
+
+    def two_beams(self) -> None:
+        """Scans of two beams."""
+        at_rate(SCANS, lambda: self._put(SCAN_FUSED.path, free_scan(time.time_ns(), 2).encode()))
+
+    def drive(self) -> None:
+        """Commands beside the driver's."""
+        at_rate(DRIVES, lambda: self._put(VELOCITY.path, self._velocity()))
+
+    def flood(self) -> None:
+        """Commands and requests, as many as it can send; they are less important than the driver's."""
+        put = partial(self._put, VELOCITY.path)
+        Thread(target=at_rate, args=(COMMANDS, lambda: put(self._velocity(priority=-1))), daemon=True).start()
+        key = f"{self._robot}/{command('version')}"
+        at_rate(REQUESTS, lambda: self._session.get(key, lambda _: None))
+
+    def _velocity(self, priority: int = 0) -> bytes:
+        return Velocity(stamp=time.time_ns(), linear=SPEED, angular=0.0, source="intruder", priority=priority).encode()
+
+    def _put(self, path: str, payload: bytes) -> None:
+        self._session.put(f"{self._robot}/{path}", payload)
+
+
+KINDS = {"future": Intruder.future, "two_beams": Intruder.two_beams, "drive": Intruder.drive, "flood": Intruder.flood}
+
+
+def main() -> None:
+    """Intrude until ended."""
+    parser = argparse.ArgumentParser(prog="python -m benchmarks.faults.intruder", description=__doc__)
+    parser.add_argument("kind", choices=KINDS)
+    parser.add_argument("--robot", required=True)
+    parser.add_argument("--connect", required=True)
+    asked = parser.parse_args()
+    intruder = Intruder(asked.robot, asked.connect)
+    print("ready", flush=True)
+    sys.stdin.readline()
+    KINDS[asked.kind](intruder)
+
+
+if __name__ == "__main__":
+    main()
