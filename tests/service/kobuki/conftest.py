@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from simulator.kobuki.client import Remote
-from tests.service.conftest import scan
+from tests.service.conftest import DEADLINE, scan
 
 
 class Base:
@@ -39,13 +39,15 @@ class Base:
 
     def until(self, rule, *, linear=None, angular=0.0, ranges=(4.0,)):
         """Drive on, seeing `ranges`, until the gate says `rule`."""
-        while True:
+        deadline = time.monotonic() + DEADLINE
+        while time.monotonic() < deadline:
             if linear is not None:
                 self.see(*ranges)
                 self.drive(linear, angular)
             told = self.safety.get_within(0.05)
             if told and told["rule"] == rule:
                 return told
+        pytest.fail(f"the gate did not say {rule}")
 
     def moves(self):
         return self.remote.state()["target"]
