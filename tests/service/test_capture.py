@@ -67,7 +67,7 @@ def test_the_simulated_room_comes_out_as_a_fused_scan(client, start):
     for service in ("negative", "positive", "fuse"):
         client.wait_alive(service)
     ear = client.listen("scan/fused")
-    start("capture", "--set", "capture.rate=5")
+    start("capture", "--set", "capture.source=simulator", "--set", "capture.rate=5")
     scan = ear.get()
     ahead = slice(310, 330)
     assert ranges(scan)[ahead] == pytest.approx(np.full(20, 1.5), abs=0.03)

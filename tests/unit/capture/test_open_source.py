@@ -16,6 +16,18 @@ def test_every_source_that_can_be_configured_can_be_opened():
     assert set(OPENERS) == {"simulator", "replay", "kinect"}
 
 
+def test_a_source_must_be_set_and_the_choices_are_named():
+    with pytest.raises(ConfigError) as refused:
+        CaptureConfig().check()
+    assert all(source in str(refused.value) for source in (*OPENERS, "--set capture.source=kinect"))
+    for source in OPENERS:
+        CaptureConfig(source=source).check()
+
+
+def test_a_mount_is_read_without_a_source():
+    assert CaptureConfig(height=0.4).mounted_floor().d == 0.4
+
+
 def test_a_replay_is_opened_from_its_folder(tmp_path):
     config = CaptureConfig(source="replay", path=str(depth_folder(tmp_path)), rate=1000, loop=False)
     assert open_source(config).read(1.0).camera.width == 4

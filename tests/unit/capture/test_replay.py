@@ -8,6 +8,7 @@ import pytest
 
 from common.config import ConfigError
 from services.capture import replay
+from services.capture.config import CaptureConfig
 from services.capture.open_source import open_source
 from services.capture.replay import Replay
 from services.capture.source import BadFrame, SourceEnded
@@ -170,7 +171,7 @@ def test_a_folder_without_frames_is_refused(tmp_path):
 
 
 def test_the_configuration_opens_a_folder(folder):
-    config = SimpleNamespace(source="replay", path=str(folder), rate=30.0, loop=False)
+    config = CaptureConfig(source="replay", path=str(folder), rate=30.0, loop=False)
     assert millimetres(frames_of(open_source(config), 3)) == [1000, 1001, 1002]
 
 
