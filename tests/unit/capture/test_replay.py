@@ -58,6 +58,12 @@ def test_frames_are_played_in_order_of_name(folder):
     assert millimetres(frames_of(Replay(folder, 30, loop=False), 4)) == [1000, 7, 1001, 1002]
 
 
+def test_a_name_in_capitals_is_a_pngs_too(folder):
+    (folder / "001.png").rename(folder / "001.PNG")
+    (folder / "notes.txt").write_text("001 is blurred")
+    assert millimetres(frames_of(Replay(folder, 30, loop=False), 3)) == [1000, 1001, 1002]
+
+
 def test_a_frame_has_its_pixels_and_its_camera(folder):
     pixels = np.arange(12, dtype=np.uint16).reshape(3, 4) * 5000
     build.write_png(folder / "000.png", pixels)
@@ -186,6 +192,7 @@ def test_a_frame_without_a_floor_is_bad(folder):
         ({"floor": [0, 0, 0, 0.3]}, "floor: the normal has length"),
         ({"intrinsics": [0, 4, 1, 1]}, "intrinsics: fx"),
         ({"range": [4.5, 0.5], "floor": GONE}, "range"),
+        ({"range": [500, 4500]}, r"range: \[500.0, 4500.0\] m is impossible; is it in millimetres\?"),
     ],
 )
 def test_a_camera_that_no_frame_can_have_is_refused(folder, change, reason):
