@@ -93,10 +93,12 @@ def test_a_simulation_that_ends_is_waited_for(client, start, simulate):
     frames.get()
     simulator.process.signal(15)
     assert simulator.process.end() == 0
+    client.wait_alive("capture", alive=False)
     assert simulator.frames in status.until(lambda each: each["state"] == "waiting")["note"]
     process.wait_said(f"source_lost (1 so far): the simulation at {simulator.frames} has ended; trying again")
     frames.all()
     simulate("empty_room")
+    client.wait_alive("capture")
     frames.get()
 
 
