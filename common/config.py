@@ -35,6 +35,12 @@ class ServiceConfig(BaseModel):
 
     model_config = ConfigDict(strict=True, frozen=True, extra="forbid", allow_inf_nan=False)
 
+    def check(self) -> None:
+        """Raise ConfigError, one line with the remedy, where a service cannot start with these values as they are.
+
+        What other programs read of the table, and --dump-config, do without it.
+        """
+
 
 C = TypeVar("C", bound=ServiceConfig)
 
@@ -60,13 +66,21 @@ def load(service: str, kind: type[C], file: Path | None, overrides: Iterable[str
 
 
 def dump(service: str, config: ServiceConfig) -> str:
-    """The effective configuration as TOML; load() reads it back to the same."""
-    return tomli_w.dumps({service: config.model_dump(mode="json")})
+    """The effective configuration as TOML, below a comment on what it lacks; load() reads it back to the same."""
+    return _lack(config) + tomli_w.dumps({service: config.model_dump(mode="json")})
 
 
 def meant_for(service: str, override: str) -> bool:
     """Whether a service takes this KEY=VALUE: one of its own values, or the profile."""
     return override.startswith(f"{service}.") or override.partition("=")[0].strip() == PROFILE
+
+
+def _lack(config: ServiceConfig) -> str:
+    try:
+        config.check()
+    except ConfigError as error:
+        return f"# {error}\n"
+    return ""
 
 
 def _profile(name: object, where: str) -> str:

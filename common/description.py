@@ -7,7 +7,8 @@ from typing import Annotated, Self
 import numpy as np
 from pydantic import Field
 
-from common.geometry import Camera, scan_axes
+from common.floor_view import floor_in_view, straight_ahead
+from common.geometry import Camera, reach
 from common.message import ListAsTuple, Message, Part, Stamp
 
 Metres = Annotated[float, Field(ge=0, le=1e5)]
@@ -15,29 +16,31 @@ Azimuths = Annotated[tuple[float, float], ListAsTuple]
 
 
 class CameraDescription(Part):
-    """What the camera can see of the floor at its nominal mount, in the scan frame."""
+    """What the camera can see of the floor from its nominal mount, in the scan frame: see common/geometry."""
 
     frame: Annotated[str, Field(max_length=256)]  # of the depth images
     simulated: bool  # whether its pictures are of a simulated or a recorded world
-    nearest_floor: Metres  # [m] horizontally from the camera along its axis
-    farthest: Metres  # [m] horizontal reach of the sensor
-    field_of_view: Azimuths  # [rad] rightmost and leftmost azimuth on the floor
+    nearest_floor: Metres  # [m] from the point below the camera straight ahead to the first floor it sees there
+    farthest: Metres  # [m] horizontally, at most, to anything it measures
+    field_of_view: Azimuths  # [rad] rightmost and leftmost azimuth at which it sees floor ahead
 
     @classmethod
     def of(cls, camera: Camera, frame: str, simulated: bool) -> Self:
-        """The description of a camera. The nearest floor is `farthest` where the camera sees none."""
-        forward, left, up = (axis.table() for axis in scan_axes(camera))
-        with np.errstate(divide="ignore", invalid="ignore"):
-            depth = np.where(up < 0.0, -camera.floor.d / up, np.inf)  # at which a pixel's ray meets the floor
-        seen = (depth <= camera.range[1]) & (forward > 0.0)
-        farthest = float(np.hypot(forward, left).max()) * camera.range[1]
-        nearest, view = farthest, (0.0, 0.0)
-        if seen.any():
-            column = seen.shape[1] // 2 if seen[:, seen.shape[1] // 2].any() else int(seen.any(axis=0).argmax())
-            nearest = float((depth * forward)[:, column][seen[:, column]].min())
-            azimuths = np.arctan2(left, forward)[seen]
-            view = float(azimuths.min()), float(azimuths.max())
-        return cls(frame=frame, simulated=simulated, nearest_floor=nearest, farthest=farthest, field_of_view=view)
+        """The description of a possible camera over an endless floor without anything on it.
+
+        `nearest_floor` is `farthest` where no floor is seen straight ahead, the field of view (0, 0) where none is.
+        """
+        floor = floor_in_view(camera)
+        farthest = reach(camera)
+        ahead = straight_ahead(floor)
+        azimuths = np.arctan2(floor[:, 1], floor[:, 0])
+        return cls(
+            frame=frame,
+            simulated=simulated,
+            nearest_floor=float((camera.floor.d * ahead[:, 0] / -ahead[:, 2]).min(initial=farthest)),
+            farthest=farthest,
+            field_of_view=(float(azimuths.min()), float(azimuths.max())) if len(floor) else (0.0, 0.0),
+        )
 
 
 class BodyDescription(Part):

@@ -19,6 +19,7 @@ Floating = NDArray[np.floating[Any]]  # of either precision
 STEEPEST_AXIS = math.cos(math.radians(3.0))  # an optical axis nearer the vertical has no heading on the floor
 MOST_PIXELS = 2**22  # a small compressed message must not unpack to any size it likes
 HIGHEST_CAMERA = 20.0  # [m]
+FARTHEST_RANGE = 1000.0  # [m]; a depth image's 16 bits end at 65.5 m
 
 
 class Intrinsics(NamedTuple):
@@ -125,6 +126,8 @@ def check_camera(camera: Camera) -> None:
     near, far = camera.range
     if not 0.0 <= near < far < math.inf:
         raise ValueError(f"range: [{near}, {far}] m is impossible")
+    if far > FARTHEST_RANGE:
+        raise ValueError(f"range: [{near}, {far}] m is impossible; is it in millimetres?")
     *normal, height = camera.floor
     if abs(math.hypot(*normal) - 1.0) > 0.01:
         raise ValueError(f"floor: the normal has length {math.hypot(*normal):.3f}, expected 1")

@@ -171,6 +171,7 @@ def main(name: str, kind: type[C], serve: Callable[[Service[C]], None]) -> None:
         parser.exit(0)
     logging.basicConfig(level=logging.INFO, format=f"%(asctime)s %(levelname)s {name}: %(message)s")
     try:
+        config.check()
         run(name, config, options.network(arguments), arguments.robot, serve)
     except (BusError, ConfigError) as error:
         parser.exit(USAGE_ERROR, f"{name}: {error}\n")

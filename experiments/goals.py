@@ -13,7 +13,7 @@ from common.config import ConfigError
 from common.geometry import Camera
 from common.messages import LaserScan
 from experiments.frames import Frame
-from services.capture.replay import read_camera, read_depth
+from services.capture.replay import images_of, read_camera, read_depth
 from services.capture.source import BadFrame
 
 SLOWEST, FASTEST = 5.0, 30.0  # [Hz] of a replay: slow enough for a busy machine,
@@ -106,10 +106,7 @@ class EveryFrame:
 
     def _read(self, folder: Path) -> None:
         file = read_camera(folder)
-        images = sorted(folder.glob("*.png"))
-        if not images:
-            raise ConfigError(f"{folder}: no PNG in it")
-        for image in images:
+        for image in images_of(folder):
             try:
                 camera = file.camera_of(image.stem)
                 depth = read_depth(image, camera.width, camera.height)

@@ -155,6 +155,7 @@ class Bus:
     def __init__(self) -> None:
         self.said: dict[str, list] = defaultdict(list)
         self.announced: list[str] = []
+        self.withdrawn = 0
         self.receivers: dict[str, Callable[[str, bytes], object]] = {}
         self.on_announce = lambda: None
 
@@ -164,9 +165,15 @@ class Bus:
     def subscribe(self, path, receive) -> None:
         self.receivers[path] = receive
 
+    def latch(self, topic):
+        return self.said[topic.path].append
+
     def announce(self, service) -> None:
         self.announced.append(service)
         self.on_announce()
+
+    def withdraw(self) -> None:
+        self.withdrawn += 1
 
     def arrive(self, path, data: bytes) -> None:
         self.receivers[path](path, data)

@@ -15,7 +15,7 @@ engine=  # process id of the engine started here
 base=  # process id of the emulated base
 compose=(docker compose)
 export COMPOSE_PROJECT_NAME=cliffscan-test COMPOSE_PROFILES=robot,workstation DOCKER_BUILDKIT=0
-export BASE_IMAGE=${BASE_IMAGE:-python:3.11-slim}
+export CAPTURE_SOURCE=simulator BASE_IMAGE=${BASE_IMAGE:-python:3.11-slim}
 
 say() { printf '== %s\n' "$*"; }
 have() { command -v "$1" >/dev/null; }

@@ -11,41 +11,66 @@ from common.depth_codec import LEVELS, RAW
 from common.messages import DepthImage
 from common.service import PATIENCE, Service, main
 from services.capture.config import CaptureConfig
+from services.capture.description import Description
 from services.capture.floor_tracker import FloorTracker
-from services.capture.open_source import open_source
+from services.capture.frozen import REPEATED, FrozenWatch
+from services.capture.open_source import KINDS, open_source
 from services.capture.source import BadFrame, DepthFrame, Source, SourceEnded, SourceLost
 
 BACK_OFF = (0.5, 8.0)  # [s] before the first and, doubled each time, before a later attempt to open a device
 
 
 def frames(service: Service[CaptureConfig]) -> Iterator[DepthFrame]:
-    """Every good frame until the service or its source ends; a device that is lost is opened again."""
+    """Every good frame until the service or its source ends; a device that is lost is opened again.
+
+    The service is ready, and its camera described, when a source has brought its first frame.
+    """
+    description = Description(service)
+    watch = None if KINDS[service.config.source].recorded else FrozenWatch(service.tally)
     delay = BACK_OFF[0]
     while service.running:
         try:
             with closing(open_source(service.config)) as source:
-                for frame in located(_frames_of(source, service), service):
+                for frame in located(described(new_frames(source, service, watch), service, description), service):
                     delay = BACK_OFF[0]
                     yield frame
         except SourceLost as error:
             service.tally.complain("source_lost", f"{error}; trying again in {delay:g} s")
-            service.state, service.note = "waiting", str(error)
+            service.waiting(str(error))
             service.pause(delay)
             delay = min(2 * delay, BACK_OFF[1])
         except SourceEnded:
             return
 
 
-def _frames_of(source: Source, service: Service[CaptureConfig]) -> Iterator[DepthFrame]:
-    service.ready()
+def new_frames(source: Source, service: Service[CaptureConfig], watch: FrozenWatch | None) -> Iterator[DepthFrame]:
+    """The good frames of one source that the watch, where there is one, does not know yet. Raises SourceLost."""
     while service.running:
         try:
             frame = source.read(PATIENCE)
         except BadFrame as error:
             service.tally.complain("bad_frame", str(error))
             continue
-        if frame:
-            yield frame
+        if not frame:
+            continue
+        if watch and not watch.is_new(frame.depth):
+            service.note = REPEATED
+            continue
+        if service.note == REPEATED:
+            service.note = ""
+        yield frame
+
+
+def described(
+    frames: Iterator[DepthFrame], service: Service[CaptureConfig], description: Description
+) -> Iterator[DepthFrame]:
+    """The frames of one source; their camera is described, and with the first of them the service is ready."""
+    for frame in frames:
+        if service.state != "working":
+            description.begin(frame.camera)
+            service.ready()
+        description.follow(frame.camera)
+        yield frame
 
 
 def located(frames: Iterator[DepthFrame], service: Service[CaptureConfig]) -> Iterator[DepthFrame]:

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import math
-from typing import Annotated, ClassVar, Literal, Self
+from typing import Annotated, ClassVar, Literal, Self, get_args
 
 from pydantic import Field, model_validator
 
-from common.config import Profiles, ServiceConfig
+from common.config import ConfigError, Profiles, ServiceConfig
 from common.geometry import Camera, FloorPlane, Intrinsics, check_camera
 from common.message import ListAsTuple
 
+Source = Literal["simulator", "replay", "kinect"]
 KINECT = (640, 480)  # pixels
 
 
@@ -19,9 +20,9 @@ class CaptureConfig(ServiceConfig):
 
     PROFILES: ClassVar[Profiles] = {"paper": {"floor": "fixed"}}
 
-    source: Literal["simulator", "replay", "kinect"] = "simulator"
+    source: Literal[Source, ""] = ""  # must be set: a robot must never drive by pictures nobody chose
     compressed: bool = True  # without loss; False sends raw 16UC1
-    frame: str = "camera_depth_optical_frame"
+    frame: Annotated[str, Field(max_length=256)] = "camera_depth_optical_frame"
     rate: Annotated[float, Field(gt=0, le=1000)] = 30.0  # [Hz] of the simulator and of a replay
 
     # where the floor is in a frame: where the mount has it, or measured in the frame, near the mount
@@ -56,6 +57,12 @@ class CaptureConfig(ServiceConfig):
     def _possible(self) -> Self:
         check_camera(self.kinect())
         return self
+
+    def check(self) -> None:
+        """Raise ConfigError where no source is set."""
+        if not self.source:
+            choices = ", ".join(get_args(Source))
+            raise ConfigError(f"capture.source is not set: choose one of {choices}, as --set capture.source=kinect")
 
     def mounted_floor(self) -> FloorPlane:
         """The floor as the mount has it."""

@@ -2,11 +2,24 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
+from typing import NamedTuple
 
 from common.config import ConfigError
 from services.capture.config import CaptureConfig
 from services.capture.source import Source
+
+
+class Kind(NamedTuple):
+    """How a source is opened, and what its pictures are. One that does not say it is a recording is live.
+
+    recorded: a picture may come again. simulated: they are not of where the robot stands now.
+    """
+
+    open: Callable[[CaptureConfig], Source]
+    recorded: bool = False
+    simulated: bool = False
 
 
 def open_source(config: CaptureConfig) -> Source:
@@ -15,7 +28,7 @@ def open_source(config: CaptureConfig) -> Source:
     Raises SourceLost where its device is not there, ConfigError where it can never be opened.
     """
     try:
-        return OPENERS[config.source](config)
+        return KINDS[config.source].open(config)
     except ModuleNotFoundError as error:
         extra = "simulator" if config.source == "simulator" else "capture"
         raise ConfigError(
@@ -45,4 +58,8 @@ def _kinect(config: CaptureConfig) -> Source:
     return Kinect(config.kinect(), config.depth_mode, config.device)
 
 
-OPENERS = {"replay": _replay, "simulator": _simulator, "kinect": _kinect}
+KINDS = {
+    "replay": Kind(_replay, recorded=True, simulated=True),
+    "simulator": Kind(_simulator, simulated=True),
+    "kinect": Kind(_kinect),
+}

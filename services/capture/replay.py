@@ -67,9 +67,7 @@ class Replay:
 
     def __init__(self, folder: Path, rate: float, loop: bool) -> None:
         self._file = read_camera(folder)
-        self._images = sorted(folder.glob("*.png"))
-        if not self._images:
-            raise ConfigError(f"{folder}: no PNG in it")
+        self._images = images_of(folder)
         self._period = 1.0 / rate
         self._loop = loop
         self._next = 0
@@ -99,6 +97,14 @@ class Replay:
             return time.time_ns()
         lap = max(recorded.values()) - min(recorded.values()) + round(self._period * 1e9)
         return recorded[frame] + round_ * lap
+
+
+def images_of(folder: Path) -> list[Path]:
+    """The folder's PNGs, `.PNG` too, in order of name. Raises ConfigError where it has none."""
+    images = sorted(each for each in folder.iterdir() if each.suffix.lower() == ".png")
+    if not images:
+        raise ConfigError(f"{folder}: no PNG in it")
+    return images
 
 
 def read_camera(folder: Path) -> CameraFile:

@@ -1,12 +1,17 @@
 """capture plays a depth folder, the simulator and a Kinect's recorded session, compressed and raw."""
 
 import json
+import threading
+import time
 
+import msgpack
 import numpy as np
 import pytest
 from PIL import Image
 
 from common.messages import DepthImage
+from simulator import wire
+from simulator.frame_server import FrameServer
 from tests import scenes
 from tests.fakenect_session import library_folder, session_environment, write_session
 from tests.service.conftest import intensities, ranges
@@ -67,11 +72,80 @@ def test_the_simulated_room_comes_out_as_a_fused_scan(client, start):
     for service in ("negative", "positive", "fuse"):
         client.wait_alive(service)
     ear = client.listen("scan/fused")
-    start("capture", "--set", "capture.rate=5")
+    start("capture", "--set", "capture.source=simulator", "--set", "capture.rate=5")
     scan = ear.get()
     ahead = slice(310, 330)
     assert ranges(scan)[ahead] == pytest.approx(np.full(20, 1.5), abs=0.03)
     assert set(intensities(scan)[ahead]) <= {2, 3}  # a drop, or floor lost
+
+
+class HangingCamera:
+    """A simulation's frames at 30 Hz, each with a fresh stamp; while it hangs, all of one picture."""
+
+    def __init__(self, address) -> None:
+        self.hangs = threading.Event()
+        self._server = FrameServer(address)
+        self._ended = threading.Event()
+        self._rng = np.random.default_rng(5)
+        self._sender = threading.Thread(target=self._send)
+        self._sender.start()
+
+    def _send(self):
+        header = {"intrinsics": CAMERA.intrinsics, "range": CAMERA.range}
+        depth = FRAMES[1]
+        while not self._ended.wait(1 / 30):
+            if not self.hangs.is_set():
+                depth = FRAMES[1] + self._rng.integers(0, 4, FRAMES[1].shape, dtype=np.uint16)
+            self._server.offer(wire.pack(header | {"stamp": time.time_ns()}, depth))
+
+    def close(self):
+        self._ended.set()
+        self._sender.join()
+        self._server.close()
+
+
+@pytest.fixture
+def hanging_camera(tmp_path):
+    address = str(tmp_path / "frames")
+    made = HangingCamera(address)
+    yield made, ("--set", "capture.source=simulator", "--set", f"capture.simulation={address}")
+    made.close()
+
+
+def test_a_camera_that_hangs_is_not_published_as_fresh_and_given_up_until_it_sees_again(client, start, hanging_camera):
+    camera, options = hanging_camera
+    frames, status = client.listen("camera/depth"), client.listen("status/capture")
+    process = start("capture", *options)
+    frames.get()
+    began = time.time_ns()
+    camera.hangs.set()
+    client.wait_alive("capture", alive=False)
+    assert time.time_ns() - began < 3e9
+    told = status.until(lambda each: each["state"] == "waiting")
+    assert "repeats its last picture" in told["note"]
+    assert told["counts"]["frozen"] > 1
+    process.wait_said("source_lost (2 so far): the camera repeats its last picture")  # the device was opened again
+    assert all(each["stamp"] < began + 0.2e9 for each in frames.all())
+    camera.hangs.clear()
+    client.wait_alive("capture")
+    assert frames.get()["stamp"] > told["stamp"]
+    assert status.until(lambda each: each["state"] == "working")["note"] != told["note"]
+
+
+def test_the_camera_is_described_once_and_to_whoever_asks(client, start, hanging_camera):
+    _, options = hanging_camera
+    described, frames = client.listen("description"), client.listen("camera/depth")
+    start("capture", *options, "--set", "capture.height=0.4", "--set", "capture.frame=eye")
+    told = described.get()
+    assert (told["camera"]["frame"], told["camera"]["simulated"]) == ("eye", True)
+    last_row = (CAMERA.height - 1 - CAMERA.intrinsics.cy) / CAMERA.intrinsics.fy
+    assert told["camera"]["nearest_floor"] == pytest.approx(0.4 / last_row)
+    for _ in range(45):  # more than the second in which it would not be told again
+        assert frames.get()["frame"] == "eye"
+    assert described.all() == []
+    (reply,) = client.session.get(f"{client.robot}/description")
+    assert msgpack.unpackb(reply.ok.payload.to_bytes()) == told
+    assert str(reply.ok.encoding) == "application/msgpack;cliffscan.RobotDescription.v1"
 
 
 @pytest.mark.skipif(library_folder() is None, reason="needs Debian's package libfreenect0.5 (libfreenect and fakenect)")
@@ -83,10 +157,25 @@ def test_a_kinects_session_is_captured_and_its_end_is_a_lost_device(client, star
     process = start("capture", *settings, **session_environment(tmp_path))
     assert DepthImage.of(ear.get()).depth.shape == (480, 640)
     process.wait_said("source_lost (1 so far): Kinect 0 is gone")
+    client.wait_alive("capture", alive=False)
     told = status.until(lambda each: each["state"] == "waiting")
     assert "Kinect 0 is gone" in told["note"]
 
 
-def test_a_kinect_that_is_not_there_is_waited_for(start):
+@pytest.mark.skipif(library_folder() is None, reason="needs Debian's package libfreenect0.5 (libfreenect and fakenect)")
+def test_a_kinect_that_repeats_its_picture_is_a_lost_device(client, start, tmp_path):
+    raw = np.random.default_rng(3).integers(300, 1000, (480, 640), dtype=np.uint16)
+    write_session(tmp_path, [raw] * 60, period=0.03)
+    ear = client.listen("camera/depth")
+    settings = ("--set", "capture.source=kinect", "--set", "capture.depth_mode=11bit")
+    process = start("capture", *settings, **session_environment(tmp_path))
+    process.wait_said("source_lost (1 so far): the camera repeats its last picture")
+    client.wait_alive("capture", alive=False)
+    ear.get()
+    assert ear.all() == []
+
+
+def test_a_kinect_that_is_not_there_is_waited_for(client, start):
     process = start("capture", "--set", "capture.source=kinect", "--set", "capture.device=99", wait=False)
     process.wait_said("trying again in 2 s")
+    assert list(client.session.liveliness().get(f"{client.robot}/alive/capture")) == []

@@ -29,7 +29,7 @@ def up(client, run):
     """The whole system on a router of its own, which joins the client's."""
     endpoint = free_endpoint()
     place = ["--robot", client.robot, "--listen", endpoint, "--connect", client.endpoint]
-    process = run(cliffscan("up", *place, "--set", "capture.rate=5"))
+    process = run(cliffscan("up", *place, "--set", "capture.source=simulator", "--set", "capture.rate=5"))
     for service in ("router", "negative", "positive", "fuse", "capture"):
         client.wait_alive(service)
     return process

@@ -17,6 +17,14 @@ def ask(service, *options):
     )
 
 
+SIMULATOR = ("--set", "capture.source=simulator")
+
+
+def needed(service):
+    """The options without which a service does not start."""
+    return SIMULATOR if service == "capture" else ()
+
+
 @pytest.mark.parametrize("service", SERVICES)
 def test_dump_config_reads_back_to_itself(service, tmp_path):
     first = ask(service, "--dump-config")
@@ -50,12 +58,30 @@ def test_a_bad_setting_is_refused_with_one_line(options, reason):
         assert refused.stderr.count("\n") == 1
 
 
+def test_capture_without_a_source_is_refused_before_it_looks_for_a_router():
+    refused = ask("capture", "--mode", "client", "--connect", free_endpoint())
+    assert refused.returncode == 2
+    assert refused.stderr == (
+        "capture: capture.source is not set: choose one of simulator, replay, kinect, as --set capture.source=kinect\n"
+    )
+    assert refused.stdout == ""
+
+
+def test_a_dump_tells_what_is_missing_and_can_be_filled_in(tmp_path):
+    file = tmp_path / "config.toml"
+    file.write_text(ask("capture", "--dump-config").stdout)
+    assert file.read_text().startswith("# capture.source is not set: choose one of ")
+    chosen = ask("capture", "--config", str(file), *SIMULATOR, "--dump-config").stdout
+    assert tomllib.loads(chosen)["capture"]["source"] == "simulator"
+    assert "#" not in chosen
+
+
 @pytest.mark.parametrize(
     ("settings", "reason"),
     [
         (["source=replay"], "camera.json"),
         (["source=replay", "path=/nowhere"], "/nowhere/camera.json"),
-        (["world=the moon"], "paper_room"),
+        (["source=simulator", "world=the moon"], "paper_room"),
     ],
 )
 def test_a_source_that_can_never_be_opened_is_refused_with_one_line(client, start, settings, reason):
@@ -78,7 +104,7 @@ def test_a_signal_before_a_service_has_loaded_its_libraries_ends_it_with_0(start
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
 @pytest.mark.parametrize("service", SENSING)
 def test_a_signal_ends_a_service_with_0(client, start, service, number):
-    process = start(service)
+    process = start(service, *needed(service))
     process.signal(number)
     assert process.end() == 0
     client.wait_alive(service, alive=False)
@@ -102,6 +128,6 @@ def test_a_signal_during_compilation_ends_a_service_with_0(client, start, tmp_pa
 def test_with_no_endpoint_services_find_each_other(client, start, run):
     """All by themselves: what `echo` hears came from fuse, which heard positive and negative, which heard capture."""
     for service in SENSING:
-        start(service, wait=False, where=[])
+        start(service, *needed(service), wait=False, where=[])
     command = [sys.executable, "-m", "cliffscan", "echo", "scan/fused", "--robot", client.robot, "--count", "1"]
     assert run(command).end() == 0

@@ -37,10 +37,15 @@ def simulate(run, tmp_path):
     return begin
 
 
+def looking_at(simulator):
+    """The options of a capture that receives a simulation's frames."""
+    return "--set", "capture.source=simulator", "--set", f"capture.simulation={simulator.frames}"
+
+
 def test_the_robot_drives_and_its_camera_goes_with_it(client, start, simulate):
     simulator = simulate("empty_room")
     start("kobuki", "--set", f"kobuki.port={simulator.port}", "--set", "kobuki.require_scan=false")
-    start("capture", "--set", f"capture.simulation={simulator.frames}", "--set", "capture.floor=fixed")
+    start("capture", *looking_at(simulator), "--set", "capture.floor=fixed")
     frames, odometry = client.listen("camera/depth"), client.listen("base/odom")
 
     def ahead():
@@ -83,15 +88,17 @@ def test_a_bump_and_a_fall_reach_the_driver(client, start, simulate):
 
 def test_a_simulation_that_ends_is_waited_for(client, start, simulate):
     simulator = simulate("empty_room")
-    process = start("capture", "--set", f"capture.simulation={simulator.frames}")
+    process = start("capture", *looking_at(simulator))
     frames, status = client.listen("camera/depth"), client.listen("status/capture")
     frames.get()
     simulator.process.signal(15)
     assert simulator.process.end() == 0
+    client.wait_alive("capture", alive=False)
     assert simulator.frames in status.until(lambda each: each["state"] == "waiting")["note"]
     process.wait_said(f"source_lost (1 so far): the simulation at {simulator.frames} has ended; trying again")
     frames.all()
     simulate("empty_room")
+    client.wait_alive("capture")
     frames.get()
 
 

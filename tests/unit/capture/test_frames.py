@@ -1,14 +1,20 @@
 """Capture goes on whatever happens to its source: a lost device is opened again, a bad frame is left out."""
 
+from dataclasses import replace
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
 from common.config import ConfigError
+from common.description import CameraDescription
+from common.geometry import FloorPlane
 from common.messages import DepthImage
 from services.capture import __main__ as capture
+from services.capture import description, frozen
 from services.capture.config import CaptureConfig
 from services.capture.source import BadFrame, DepthFrame, SourceEnded, SourceLost
-from tests import build
+from tests import build, scenes
 
 CAMERA = build.camera(4, 3, 4.0)
 
@@ -113,9 +119,114 @@ def test_the_state_tells_whether_there_is_a_device(service, monkeypatch):
     assert heard == [("waiting", "unplugged")]
 
 
-def test_a_service_is_not_ready_before_its_source_is(service, play):
-    play(SourceLost("none"), SourceLost("none"))
-    assert len(service.bus.announced) == 1  # by the third opening, which went well
+def test_a_service_is_not_ready_before_its_source_brings_a_frame(service, play):
+    play(SourceLost("none"), [None, BadFrame("cut"), SourceLost("silent")])
+    assert service.bus.announced == []
+    play([None, BadFrame("cut"), frame(1), frame(2)])
+    assert service.bus.announced == ["capture"]
+
+
+def test_the_token_goes_with_the_device_and_comes_again_with_its_frames(service, monkeypatch):
+    script = Script([frame(1), SourceLost("unplugged")], SourceLost("none"), [frame(2)])
+    monkeypatch.setattr(capture, "open_source", script.open)
+    tokens = [(len(service.bus.announced), service.bus.withdrawn) for _ in capture.frames(service)]
+    assert tokens == [(1, 0), (2, 2)]
+
+
+def again(picture, stamp):
+    """A frame with the depths of another one and a stamp of its own."""
+    return DepthFrame(picture.depth.copy(), stamp, CAMERA)
+
+
+def test_a_repeated_picture_is_left_out_counted_and_told_in_the_status(service, monkeypatch):
+    script = Script([frame(1), again(frame(1), 2), None, frame(3)])
+    monkeypatch.setattr(capture, "open_source", script.open)
+    notes = []
+    monkeypatch.setattr(script, "read", lambda timeout: notes.append(service.note) or Script.read(script, timeout))
+    assert [each.stamp for each in capture.frames(service)] == [1, 3]
+    assert service.tally.counts() == {"frozen": 1}
+    assert notes[:2] == ["", ""]
+    assert all("repeats its last picture" in note for note in notes[2:4])
+    assert notes[4] == ""
+    assert script.opened == 1
+
+
+def test_a_frozen_device_is_opened_again_later_and_later_and_its_old_picture_stays_out(service, play, monkeypatch):
+    monkeypatch.setattr(frozen, "PATIENCE", 0.0)
+    hung = [again(frame(1), stamp) for stamp in (2, 3, 4)]
+    stamps, script = play([frame(1), hung[0]], [hung[1]], [hung[2]], [frame(5)])
+    assert stamps == [1, 5]
+    assert script.opened == script.closed == 4
+    assert service.stop.waits == [0.5, 1, 2]
+    assert service.tally.counts() == {"frozen": 3, "source_lost": 3}
+    assert (len(service.bus.announced), service.bus.withdrawn) == (2, 3)
+
+
+def test_a_recording_may_show_one_picture_again_and_again(monkeypatch):
+    service = build.service("capture", CaptureConfig(source="replay", floor="fixed"))
+    script = Script([frame(1), again(frame(1), 2), again(frame(1), 3)])
+    monkeypatch.setattr(capture, "open_source", script.open)
+    assert [each.stamp for each in capture.frames(service)] == [1, 2, 3]
+
+
+def of(stamp, **changes):
+    """A frame of a camera that is another one by these fields."""
+    return frame(stamp)._replace(camera=replace(CAMERA, **changes))
+
+
+@pytest.fixture
+def clock(monkeypatch):
+    """Stands in for the description's module `time`."""
+    clock = SimpleNamespace(now=50.0, time_ns=lambda: 17)
+    clock.monotonic = lambda: clock.now
+    monkeypatch.setattr(description, "time", clock)
+    return clock
+
+
+def test_the_camera_is_described_before_the_service_is_ready(service, play, clock):
+    said = service.bus.said["description"]
+    service.bus.on_announce = lambda: said.append("ready")
+    play([frame(1), frame(2), frame(3)])
+    assert said[1:] == ["ready"]
+    assert said[0].camera == CameraDescription.of(CAMERA, service.config.frame, simulated=False)
+    assert said[0].stamp == 17
+
+
+def test_a_device_that_comes_back_is_described_where_it_is_another(service, play, clock):
+    near = of(3, range=(0.5, 2.0))
+    play([frame(1), SourceLost("gone")], [frame(2), SourceLost("gone")], [near])
+    first, second = service.bus.said["description"]
+    assert second.camera == CameraDescription.of(near.camera, service.config.frame, simulated=False) != first.camera
+
+
+@pytest.mark.parametrize("change", [{"range": (0.5, 2.0)}, {"floor": FloorPlane.from_mount(0.5)}])
+def test_a_camera_that_changes_is_described_again_but_not_with_every_frame(service, monkeypatch, clock, change):
+    frames = [of(stamp, **(change if stamp % 2 else {})) for stamp in range(1, 100)]
+    monkeypatch.setattr(capture, "open_source", Script(frames).open)
+    for _ in capture.frames(service):
+        clock.now += 0.125
+    assert 3 <= len(service.bus.said["description"]) <= 1 + (clock.now - 50.0) / description.SOONEST
+
+
+def test_a_floor_that_is_measured_in_each_frame_is_described_once(monkeypatch):
+    service = build.service("capture", CaptureConfig(source="kinect"))
+    view = scenes.camera(320, 240, FloorPlane.from_mount(0.31), (0.5, 4.5))
+    depths = [scenes.depth(scenes.camera(320, 240, FloorPlane.from_mount(h), (0.5, 4.5)), wall=20) for h in (0.3, 0.32)]
+    monkeypatch.setattr(capture, "open_source", Script([DepthFrame(d, 1, view) for d in depths]).open)
+    monkeypatch.setattr(description, "SOONEST", 0.0)
+    floors = {each.camera.floor for each in capture.frames(service)}
+    assert len(floors | {view.floor}) == 3
+    (told,) = service.bus.said["description"]
+    assert told.camera == CameraDescription.of(view, service.config.frame, simulated=False)
+
+
+@pytest.mark.parametrize(("source", "simulated"), [("kinect", False), ("simulator", True), ("replay", True)])
+def test_what_is_not_of_here_and_now_is_described_as_simulated(monkeypatch, source, simulated):
+    service = build.service("capture", CaptureConfig(source=source, floor="fixed"))
+    monkeypatch.setattr(capture, "open_source", Script([frame(1)]).open)
+    assert len(list(capture.frames(service))) == 1
+    (told,) = service.bus.said["description"]
+    assert told.camera.simulated == simulated
 
 
 def test_a_source_that_can_never_be_opened_ends_the_service(play):

@@ -8,12 +8,24 @@ import pytest
 from common.config import ConfigError
 from common.geometry import check_camera
 from services.capture.config import CaptureConfig
-from services.capture.open_source import OPENERS, open_source
+from services.capture.open_source import KINDS, open_source
 from tests.build import camera, depth_folder
 
 
 def test_every_source_that_can_be_configured_can_be_opened():
-    assert set(OPENERS) == {"simulator", "replay", "kinect"}
+    assert set(KINDS) == {"simulator", "replay", "kinect"}
+
+
+def test_a_source_must_be_set_and_the_choices_are_named():
+    with pytest.raises(ConfigError) as refused:
+        CaptureConfig().check()
+    assert all(source in str(refused.value) for source in (*KINDS, "--set capture.source=kinect"))
+    for source in KINDS:
+        CaptureConfig(source=source).check()
+
+
+def test_a_mount_is_read_without_a_source():
+    assert CaptureConfig(height=0.4).mounted_floor().d == 0.4
 
 
 def test_a_replay_is_opened_from_its_folder(tmp_path):

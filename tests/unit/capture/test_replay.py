@@ -8,6 +8,7 @@ import pytest
 
 from common.config import ConfigError
 from services.capture import replay
+from services.capture.config import CaptureConfig
 from services.capture.open_source import open_source
 from services.capture.replay import Replay
 from services.capture.source import BadFrame, SourceEnded
@@ -55,6 +56,12 @@ def millimetres(frames):
 def test_frames_are_played_in_order_of_name(folder):
     build.write_png(folder / "0005.png", np.full((3, 4), 7, np.uint16))
     assert millimetres(frames_of(Replay(folder, 30, loop=False), 4)) == [1000, 7, 1001, 1002]
+
+
+def test_a_name_in_capitals_is_a_pngs_too(folder):
+    (folder / "001.png").rename(folder / "001.PNG")
+    (folder / "notes.txt").write_text("001 is blurred")
+    assert millimetres(frames_of(Replay(folder, 30, loop=False), 3)) == [1000, 1001, 1002]
 
 
 def test_a_frame_has_its_pixels_and_its_camera(folder):
@@ -170,7 +177,7 @@ def test_a_folder_without_frames_is_refused(tmp_path):
 
 
 def test_the_configuration_opens_a_folder(folder):
-    config = SimpleNamespace(source="replay", path=str(folder), rate=30.0, loop=False)
+    config = CaptureConfig(source="replay", path=str(folder), rate=30.0, loop=False)
     assert millimetres(frames_of(open_source(config), 3)) == [1000, 1001, 1002]
 
 
@@ -185,6 +192,7 @@ def test_a_frame_without_a_floor_is_bad(folder):
         ({"floor": [0, 0, 0, 0.3]}, "floor: the normal has length"),
         ({"intrinsics": [0, 4, 1, 1]}, "intrinsics: fx"),
         ({"range": [4.5, 0.5], "floor": GONE}, "range"),
+        ({"range": [500, 4500]}, r"range: \[500.0, 4500.0\] m is impossible; is it in millimetres\?"),
     ],
 )
 def test_a_camera_that_no_frame_can_have_is_refused(folder, change, reason):

@@ -204,6 +204,17 @@ def test_a_camera_that_cannot_be_is_refused_before_it_is_used(override):
     assert override.split("=")[0] in refusal("capture", None, override)
 
 
+@pytest.mark.parametrize(
+    ("override", "named"),
+    [
+        ("capture.range=[500, 4500]", "is it in millimetres?"),
+        (f"capture.frame={'x' * 257}", "at most 256 characters"),
+    ],
+)
+def test_a_camera_that_no_receiver_takes_is_refused_with_the_reason(override, named):
+    assert named in refusal("capture", None, override)
+
+
 @pytest.mark.parametrize("key", ["scan/fused", "camera/depth", "status/fuse"])
 def test_an_extra_input_is_a_scan_of_somebody_else(key):
     assert "fuse.inputs" in refusal("fuse", None, f"fuse.inputs.lidar.key={key}")

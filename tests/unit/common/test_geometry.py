@@ -137,6 +137,7 @@ def test_any_mount_makes_a_possible_camera(height, pitch, roll):
         ("range", (-0.1, 4.5)),
         ("range", (4.5, 4.5)),
         ("range", (0.5, math.inf)),
+        ("range", (0, 4500)),
         ("range", (math.nan, 4.5)),
         ("floor", FloorPlane(0, -1.02, 0, 0.3)),
         ("floor", FloorPlane(0, -0.98, 0, 0.3)),
