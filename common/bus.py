@@ -1,14 +1,7 @@
-"""Eclipse Zenoh, as the services use it; nothing else in the project imports it.
-
-What the settings below are for: a large frame is dropped when one of its fragments waits too long for a full link,
-so fragments may wait 0.2 s; the kernel's send buffer is kept small, or small real-time messages queue behind
-depth frames in it; a link is given up after 2 s of silence. Shared memory is off: where a process may not lock as
-much memory as its peers' pools take (8 MB is a usual limit), Zenoh loses every large message without a word.
-"""
+"""Eclipse Zenoh, as the services use it; only zenoh_config and reader import it beside this."""
 
 from __future__ import annotations
 
-import json
 import logging
 import threading
 from collections.abc import Callable, Collection
@@ -20,19 +13,22 @@ from typing import Any, Generic, Self, TypeVar
 import msgpack
 import zenoh
 
-from common.message import Message, MessageError, unpack
-from common.topics import Qos, Topic, alive
+from common import zenoh_config
+from common.limits import SMALL
+from common.message import Message, MessageError, check_size, unpack
+from common.pace import Pace
+from common.reader import once, read
+from common.tally import Tally
+from common.topics import Qos, Topic, alive, most_bytes
 
 M = TypeVar("M", bound=Message)
 log = logging.getLogger(__name__)
 
-DEFAULTS = {
-    "transport/link/tx/lease": 2000,
-    "transport/link/tx/queue/congestion_control/drop/wait_before_drop": 50_000,
-    "transport/link/tx/queue/congestion_control/drop/max_wait_before_drop_fragments": 200_000,
-    "transport/link/tcp/so_sndbuf": 65_536,
-    "transport/shared_memory/enabled": False,
-}
+ROOM = 256  # samples that may wait for a program that must not miss any
+REQUESTS = 8  # that may wait at a path
+RATE = 200.0  # [Hz] at which the requests at a path are answered
+LATCH_TIMEOUT = 1.0  # [s] for what is kept to come
+
 PRIORITY = {
     Qos.BULK: zenoh.Priority.DATA_LOW,
     Qos.REAL_TIME: zenoh.Priority.REAL_TIME,
@@ -65,7 +61,7 @@ class Network:
             "listen/endpoints": self.listen,
         }
         if self.connect or (self.listen and self.mode != "router"):  # a router answers whoever looks for one
-            named["scouting/multicast/enabled"] = False
+            named["scouting/multicast/enabled"] = False  # others are where they were told to be
         return {key: value for key, value in named.items() if value not in (None, [])}
 
 
@@ -93,6 +89,7 @@ class Bus:
         """Raises NotConnected where a client finds no router, BusError where the settings make no sense."""
         self.robot = robot
         self._session = _open(network)
+        self._tally = Tally()
         self._token: zenoh.LivelinessToken | None = None
 
     def __enter__(self) -> Self:
@@ -115,52 +112,70 @@ class Bus:
             )
         )
 
-    def subscribe(self, path: str, receive: Callable[[str, bytes], object]) -> None:
+    def subscribe(
+        self,
+        path: str,
+        receive: Callable[[str, bytes], object],
+        room: int = ROOM,
+        rate: float | None = None,
+        refused: Callable[[str, MessageError], object] | None = None,
+    ) -> None:
         """Call `receive(path, payload)` for every sample on `path` below the robot's name; `*` and `**` are wild.
 
-        The calls come one after another from a thread of the subscription's own. Raises BusError for what is no path.
+        The calls come one after another from a thread of the subscription's own, at most `rate` [Hz] where that is
+        given. `room` samples may wait; beyond, the oldest is dropped, uncounted. A payload larger than its key allows
+        is not even copied, and `refused(path, why)` is told. Raises BusError for what is no path.
         """
         prefix = len(self.robot) + 1
+        refuse = refused or self._refused
 
         def deliver(sample: zenoh.Sample) -> None:
-            if sample.kind == zenoh.SampleKind.PUT:
-                receive(str(sample.key_expr)[prefix:], sample.payload.to_bytes())
+            if sample.kind != zenoh.SampleKind.PUT:
+                return
+            at = str(sample.key_expr)[prefix:]
+            try:
+                payload = _bytes(sample.payload, most_bytes(at))
+            except MessageError as error:
+                refuse(at, error)
+            else:
+                receive(at, payload)
 
         try:
-            self._session.declare_subscriber(f"{self.robot}/{path}", deliver)
+            source = self._session.declare_subscriber(f"{self.robot}/{path}", zenoh.handlers.RingChannel(room))
         except zenoh.ZError as error:
             raise BusError(f"{path!r} is no key: {_first_line(error)}") from error
+        read(source, deliver, Pace(rate, room) if rate else None)
 
     def answer(
         self, path: str, reply: Callable[[dict[str, Any]], dict[str, Any]], but_at: Collection[str] = ()
     ) -> None:
         """Answer requests at `path` below the robot's name with the map that `reply` makes of their parameters.
 
-        A path with `*` is asked in vain at the paths `but_at`; one without is not asked by a wild card.
+        A path with `*` is asked in vain at the paths `but_at`; one without is not asked by a wild card. Requests beyond
+        RATE wait; where too many do, the oldest gets no answer.
         """
         key, others = f"{self.robot}/{path}", {f"{self.robot}/{other}" for other in but_at}
 
         def deliver(query: zenoh.Query) -> None:
             asked = str(query.key_expr)
-            with query:
-                if asked in others or ("*" not in path and asked != key):
-                    return
-                try:
-                    parameters = unpack(query.payload.to_bytes()) if query.payload else {}
-                except MessageError as error:
-                    answered = {"ok": False, "message": f"malformed request: {error}"}
-                else:
-                    answered = reply(parameters)
-                query.reply(query.key_expr, msgpack.packb(answered), encoding=zenoh.Encoding("application/msgpack"))
+            if asked in others or ("*" not in path and asked != key):
+                return
+            try:
+                parameters = unpack(_bytes(query.payload, SMALL)) if query.payload else {}
+            except MessageError as error:
+                answered = {"ok": False, "message": f"malformed request: {error}"}
+            else:
+                answered = reply(parameters)
+            query.reply(query.key_expr, msgpack.packb(answered), encoding=zenoh.Encoding("application/msgpack"))
 
-        self._session.declare_queryable(key, deliver)
+        self._queries(key, deliver)
 
     def ask(self, path: str, parameters: dict[str, Any], timeout: float) -> dict[str, Any] | None:
         """The first answer to a request at `path`; None where there was none within `timeout` [s]."""
         replies = self._session.get(f"{self.robot}/{path}", payload=msgpack.packb(parameters), timeout=timeout)
         for reply in replies:
             if reply.ok:
-                return unpack(reply.ok.payload.to_bytes())
+                return unpack(_bytes(reply.ok.payload, SMALL))
         return None
 
     def latch(self, topic: Topic[M]) -> Callable[[M], None]:
@@ -175,31 +190,34 @@ class Bus:
             publisher.put(message)
 
         def deliver(query: zenoh.Query) -> None:
-            with query, lock:
+            with lock:
                 for payload in kept:
                     query.reply(topic.key(self.robot), payload, encoding=encoding_of(topic))
 
-        self._session.declare_queryable(topic.key(self.robot), deliver)
+        self._queries(topic.key(self.robot), deliver)
         return publish
 
     def receive_latched(self, path: str, receive: Callable[[str, bytes], object]) -> None:
         """Call `receive(path, payload)` for what is kept at `path` now and for what is published there later.
 
         Whenever a service announces itself the question is put again, so that no start order loses an answer; what is
-        kept may come more than once.
+        kept may come more than once, and from several threads.
         """
         self.subscribe(path, receive)
         key = f"{self.robot}/{path}"
 
-        def answered(reply: zenoh.Reply) -> None:
-            if reply.ok:
-                receive(path, reply.ok.payload.to_bytes())
-
         def ask() -> None:
-            self._session.get(key, answered, consolidation=zenoh.ConsolidationMode.NONE)
+            ring: zenoh.handlers.RingChannel[zenoh.Reply] = zenoh.handlers.RingChannel(REQUESTS)
+            every = zenoh.ConsolidationMode.NONE
+            for reply in self._session.get(key, ring, consolidation=every, timeout=LATCH_TIMEOUT):
+                try:
+                    if reply.ok:
+                        receive(path, _bytes(reply.ok.payload, most_bytes(path)))
+                except MessageError as error:
+                    self._refused(path, error)
 
-        ask()
         self.watch_alive(lambda _service, here: ask() if here else None)
+        once(key, ask)
 
     def announce(self, service: str) -> None:
         """Tell everyone that `service` works, until withdraw() or the session's end."""
@@ -224,7 +242,28 @@ class Bus:
         def deliver(sample: zenoh.Sample) -> None:
             changed(str(sample.key_expr).rpartition("/")[2], sample.kind == zenoh.SampleKind.PUT)
 
-        self._session.liveliness().declare_subscriber(f"{self.robot}/{alive('*')}", deliver, history=True)
+        key = f"{self.robot}/{alive('*')}"
+        ring: zenoh.handlers.RingChannel[zenoh.Sample] = zenoh.handlers.RingChannel(ROOM)
+        read(self._session.liveliness().declare_subscriber(key, ring, history=True), deliver)
+
+    def _queries(self, key: str, deliver: Callable[[zenoh.Query], None]) -> None:
+        """Call `deliver` for the requests at a key; each ends for its asker when it returns."""
+
+        def take(query: zenoh.Query) -> None:
+            with query:
+                deliver(query)
+
+        source = self._session.declare_queryable(key, zenoh.handlers.RingChannel(REQUESTS))
+        read(source, take, Pace(RATE, REQUESTS))
+
+    def _refused(self, path: str, why: MessageError) -> None:
+        self._tally.complain("malformed", f"{path}: {why}")
+
+
+def _bytes(payload: zenoh.ZBytes, most: int) -> bytes:
+    """A payload, copied only where it has no more than `most` bytes. Raises MessageError."""
+    check_size(len(payload), most)
+    return payload.to_bytes()
 
 
 def encoding_of(topic: Topic[Any]) -> zenoh.Encoding:
@@ -234,9 +273,7 @@ def encoding_of(topic: Topic[Any]) -> zenoh.Encoding:
 
 def _open(network: Network) -> zenoh.Session:
     try:
-        config = zenoh.Config.from_file(str(network.zenoh_config)) if network.zenoh_config else zenoh.Config()
-        for key, value in ((DEFAULTS if not network.zenoh_config else {}) | network.settings()).items():
-            config.insert_json5(key, json.dumps(value))
+        config = zenoh_config.build(network.settings(), network.zenoh_config)
     except zenoh.ZError as error:
         raise BusError(f"Zenoh refuses the configuration: {_first_line(error)}") from error
     try:

@@ -13,13 +13,12 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from common.limits import DEEPEST, FARTHEST_REACH, HIGHEST_CAMERA, LOWEST_CAMERA, MOST_PIXELS, MOST_SIDE, NEAREST_REACH
+
 Floats = NDArray[np.float64]
 Floating = NDArray[np.floating[Any]]  # of either precision
 
 STEEPEST_AXIS = math.cos(math.radians(3.0))  # an optical axis nearer the vertical has no heading on the floor
-MOST_PIXELS = 2**22  # a small compressed message must not unpack to any size it likes
-HIGHEST_CAMERA = 20.0  # [m]
-FARTHEST_RANGE = 1000.0  # [m]; a depth image's 16 bits end at 65.5 m
 
 
 class Intrinsics(NamedTuple):
@@ -115,8 +114,10 @@ def reach(camera: Camera) -> float:
 
 def check_camera(camera: Camera) -> None:
     """Raise ValueError where no real camera can be so, or where its axis has no heading on the floor."""
-    if min(camera.width, camera.height) < 2 or camera.width * camera.height > MOST_PIXELS:
-        raise ValueError(f"width, height: {camera.width}x{camera.height}, expected 2x2 to {MOST_PIXELS} pixels")
+    sides = camera.width, camera.height
+    if min(sides) < 2 or max(sides) > MOST_SIDE or camera.width * camera.height > MOST_PIXELS:
+        told = f"{camera.width}x{camera.height}"
+        raise ValueError(f"width, height: {told}, expected 2 to {MOST_SIDE} each and {MOST_PIXELS} pixels in all")
     fx, fy, cx, cy = camera.intrinsics
     for name, focal, centre, size in (("x", fx, cx, camera.width), ("y", fy, cy, camera.height)):
         if not 0.1 * size <= focal <= 100.0 * size:
@@ -124,14 +125,12 @@ def check_camera(camera: Camera) -> None:
         if not -size <= centre <= 2 * size:
             raise ValueError(f"intrinsics: c{name} of {centre} px is impossible for {size} pixels")
     near, far = camera.range
-    if not 0.0 <= near < far < math.inf:
-        raise ValueError(f"range: [{near}, {far}] m is impossible")
-    if far > FARTHEST_RANGE:
-        raise ValueError(f"range: [{near}, {far}] m is impossible; is it in millimetres?")
+    if not (0.0 <= near < far and near < DEEPEST and NEAREST_REACH <= far <= FARTHEST_REACH):
+        raise ValueError(f"range: [{near}, {far}] m is impossible; is it in millimetres? Give metres")
     *normal, height = camera.floor
     if abs(math.hypot(*normal) - 1.0) > 0.01:
         raise ValueError(f"floor: the normal has length {math.hypot(*normal):.3f}, expected 1")
     if abs(camera.floor.nz) > STEEPEST_AXIS:
         raise ValueError("floor: the camera looks straight down or up, so its axis has no heading on the floor")
-    if not 0.0 < height <= HIGHEST_CAMERA:
+    if not LOWEST_CAMERA <= height <= HIGHEST_CAMERA:
         raise ValueError(f"floor: a camera height of {height} m is impossible")

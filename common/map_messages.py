@@ -6,10 +6,11 @@ from typing import Annotated, Self
 
 from pydantic import Field, model_validator
 
-from common.base_messages import Triple
+from common import limits
+from common.base_messages import Name, Triple
+from common.limits import MOST_CELLS
 from common.message import Int8s, Message, Stamp
 
-MOST_CELLS = 1 << 24
 UNKNOWN, OCCUPIED = -1, 100  # the least and the greatest value of a cell
 
 Side = Annotated[int, Field(ge=1, le=MOST_CELLS)]  # cells
@@ -19,11 +20,11 @@ class OccupancyGrid(Message):
     """A map, with the values of ROS `nav_msgs/OccupancyGrid`."""
 
     stamp: Stamp  # of the newest scan on the map
-    frame: str
-    resolution: Annotated[float, Field(gt=0)]  # [m] side of a cell
+    frame: Name
+    resolution: Annotated[float, limits.RESOLUTION]  # [m] side of a cell
     width: Side
     height: Side
-    origin: Triple  # x, y [m], theta [rad] of the lower left corner of the first cell
+    origin: Triple  # of the lower left corner of the first cell
     data: Int8s  # row by row from the lowest y: -1 unknown, 0 free to 100 occupied
 
     @model_validator(mode="after")
@@ -41,5 +42,5 @@ class Pose2D(Message):
     """Where the robot is on the map."""
 
     stamp: Stamp  # of the scan that told it
-    frame: str
-    pose: Triple  # x, y [m], theta [rad] of base_link
+    frame: Name
+    pose: Triple  # of base_link

@@ -9,8 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict, Field, PlainValidator, ValidationError
 
+from common.limits import PAYLOAD, SMALL
+
 TOLD = 3  # faults that are told of one message
 LONGEST = 200  # characters of each
+BIN = b"\xc4\xc5\xc6"  # how msgpack begins a `bin`
 
 
 class MessageError(ValueError):
@@ -38,15 +41,38 @@ def _short(text: str) -> str:
     return printable + ("…" if len(text) > LONGEST else "")
 
 
-def unpack(payload: bytes) -> dict[str, Any]:
-    """The msgpack map in `payload`. Raises MessageError where there is none."""
+def unpack(payload: bytes, most: int = SMALL) -> dict[str, Any]:
+    """The msgpack map in `payload`. Raises MessageError where there is none, or one of more than `most` bytes."""
+    check_size(len(payload), most)
     try:
+        if len(payload) > SMALL:
+            _check_plain(payload)
         fields = msgpack.unpackb(payload)
     except (ValueError, msgpack.UnpackException) as error:
-        raise MessageError(f"not msgpack: {error}") from error
+        raise error if isinstance(error, MessageError) else MessageError(f"not msgpack: {error}") from error
     if not isinstance(fields, dict):
         raise MessageError(f"expected a map, got {type(fields).__name__}")
     return fields
+
+
+def check_size(size: int, most: int) -> None:
+    """Raise MessageError where a payload has more bytes than `most`."""
+    if size > most:
+        raise MessageError(f"{size} bytes, expected {most} at most")
+
+
+def _check_plain(payload: bytes) -> None:
+    """Raise MessageError where lists and the like take much room: each of their bytes may cost fifty of memory."""
+    reader = msgpack.Unpacker(max_buffer_size=len(payload))
+    reader.feed(payload)
+    plain = 0
+    for _ in range(2 * reader.read_map_header()):
+        start = reader.tell()
+        reader.skip()
+        if payload[start] not in BIN:
+            plain += reader.tell() - start
+        if plain > SMALL:
+            raise MessageError(f"more than {SMALL} bytes that are no bin")
 
 
 def _little_endian(dtype: str) -> PlainValidator:
@@ -93,6 +119,11 @@ class Message(Part):
         """The schema of the Zenoh encoding, e.g. `cliffscan.LaserScan.v1`."""
         return f"cliffscan.{cls.__name__}.v1"
 
+    @classmethod
+    def most_bytes(cls) -> int:
+        """How large a payload may be."""
+        return PAYLOAD.get(cls.__name__, SMALL)
+
     def encode(self) -> bytes:
         """The msgpack map; arrays become little-endian `bin`."""
         payload: bytes = msgpack.packb(self.__dict__, default=_packable)
@@ -101,7 +132,7 @@ class Message(Part):
     @classmethod
     def decode(cls, payload: bytes) -> Self:
         """The message in `payload`. Raises MessageError naming each field that is missing or wrong."""
-        return cls.of(unpack(payload))
+        return cls.of(unpack(payload, cls.most_bytes()))
 
     @classmethod
     def of(cls, fields: dict[str, Any]) -> Self:

@@ -9,13 +9,15 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field, PrivateAttr, model_validator
 
-from common import depth_codec
+from common import depth_codec, limits
 from common.combine import NOT_TOLD, taken_at_its_word
 from common.geometry import Camera, FloorPlane, Intrinsics, check_camera
 from common.grid import Grid
 from common.message import Float32s, ListAsTuple, Message, Stamp, UInt64
 
-Side = Annotated[int, Field(ge=2, lt=2**32)]  # [px]
+Side = Annotated[int, Field(ge=2, le=limits.MOST_SIDE)]  # [px]
+Name = Annotated[str, limits.NAME]
+Seconds = Annotated[float, limits.SECONDS]
 Vector2 = Annotated[tuple[float, float], ListAsTuple]
 Vector4 = Annotated[tuple[float, float, float, float], ListAsTuple]
 
@@ -30,10 +32,10 @@ class DepthImage(Message):
 
     seq: UInt64
     stamp: Stamp  # time of capture
-    frame: str
+    frame: Name
     width: Side
     height: Side
-    encoding: str
+    encoding: Name
     data: bytes
     intrinsics: Vector4  # fx, fy, cx, cy [px]
     range: Vector2  # [m] along the optical axis
@@ -84,14 +86,14 @@ class LaserScan(Message):
 
     seq: UInt64
     stamp: Stamp  # of the depth image
-    frame: str
-    angle_min: float  # [rad]
-    angle_max: float  # [rad]
-    angle_increment: Annotated[float, Field(gt=0)]  # [rad]
-    time_increment: Annotated[float, Field(ge=0)]  # [s]
-    scan_time: Annotated[float, Field(ge=0)]  # [s]
-    range_min: Annotated[float, Field(ge=0)]  # [m]
-    range_max: Annotated[float, Field(gt=0)]  # [m]
+    frame: Name
+    angle_min: Annotated[float, limits.AZIMUTH]  # [rad]
+    angle_max: Annotated[float, limits.AZIMUTH]  # [rad]
+    angle_increment: Annotated[float, limits.INCREMENT]  # [rad]
+    time_increment: Annotated[float, limits.PERIOD]  # [s]
+    scan_time: Annotated[float, limits.PERIOD]  # [s]
+    range_min: Annotated[float, limits.RANGE_MIN]  # [m]
+    range_max: Annotated[float, limits.RANGE_MAX]  # [m]
     ranges: Float32s  # [m]
     intensities: Float32s  # Evidence, one a beam, or none at all
     clear: Float32s = NOT_TOLD  # [m] up to which floor was seen throughout, one a beam, or none at all
@@ -99,8 +101,8 @@ class LaserScan(Message):
     @model_validator(mode="after")
     def _consistent(self) -> Self:
         beams = len(self.ranges)
-        if not beams:
-            raise ValueError("ranges: no beams")
+        if not 1 <= beams <= limits.MOST_BEAMS:
+            raise ValueError(f"ranges: {beams} beams, expected 1 to {limits.MOST_BEAMS}")
         for name, values in (("intensities", self.intensities), ("clear", self.clear)):
             if len(values) not in (0, beams):
                 raise ValueError(f"{name}: {len(values)} values for {beams} beams")
@@ -135,12 +137,12 @@ class ServiceStatus(Message):
     """How a service fares, once a second."""
 
     stamp: Stamp
-    service: str
-    version: str
+    service: Name
+    version: Name
     state: State
     pid: UInt64
-    uptime: float  # [s]
-    rate: float  # [Hz] of its main output over the last second
-    latency: Vector2  # [s] median and 99th percentile from capture to output, of the last 300; 0 before the first
-    counts: dict[str, UInt64]  # since the start
-    note: str  # what a person should know, or nothing
+    uptime: Seconds
+    rate: Annotated[float, limits.FREQUENCY]  # [Hz] of its main output over the last second
+    latency: Annotated[tuple[Seconds, Seconds], ListAsTuple]  # p50, p99 from capture to output, of the last 300, or 0
+    counts: Annotated[dict[Name, UInt64], limits.COUNTERS]  # since the start
+    note: Annotated[str, limits.TEXT]  # what a person should know, or nothing

@@ -7,6 +7,7 @@ from typing import Annotated, Self
 
 from pydantic import Field, model_validator
 
+from common import limits
 from common.combine import Beams
 from common.config import ServiceConfig
 from common.depth_codec import RAW
@@ -34,17 +35,19 @@ BLANK = DepthImage(  # a frame in which nothing was seen: what kernels are compi
 class ScanConfig(ServiceConfig):
     """The beams and limits of the scans that a depth image becomes."""
 
-    beams: Annotated[int, Field(ge=2, le=20_000)] = 640
+    beams: Annotated[int, Field(ge=2, le=limits.MOST_BEAMS)] = 640
     field_of_view: Annotated[float, Field(gt=0, lt=180)] = 58.0  # [deg] between the first and the last beam
-    range_min: Annotated[float, Field(ge=0)] = 0.0  # [m] points nearer than this are parts of the robot itself
-    range_max: Annotated[float, Field(gt=0)] = 10.0  # [m] nothing beyond is reported
-    scan_time: Annotated[float, Field(ge=0)] = 1 / 30  # [s] between two scans
+    range_min: Annotated[float, limits.RANGE_MIN] = 0.0  # [m] points nearer than this are parts of the robot itself
+    range_max: Annotated[float, limits.RANGE_MAX] = 10.0  # [m] nothing beyond is reported
+    scan_time: Annotated[float, limits.PERIOD] = 1 / 30  # [s] between two scans
     floor_band: Annotated[float, Field(gt=0, le=0.5)] = 0.03  # [m] above and below the plane that count as floor
 
     @model_validator(mode="after")
     def _limits(self) -> Self:
         if self.range_min >= self.range_max:
             raise ValueError(f"range_max {self.range_max} is not above range_min {self.range_min}")
+        if self.grid().increment < limits.FINEST_INCREMENT:
+            raise ValueError(f"field_of_view {self.field_of_view} is too narrow for {self.beams} beams")
         return self
 
     def grid(self) -> Grid:

@@ -20,6 +20,7 @@ from common import options
 from common.bus import Bus, BusError, Network, NotConnected, Publisher
 from common.config import ConfigError, ServiceConfig
 from common.inbox import Inbox
+from common.limits import LONGEST_TEXT
 from common.message import Message, MessageError
 from common.messages import DepthImage, LaserScan, ServiceStatus, State
 from common.stream import StreamOrder
@@ -29,6 +30,8 @@ from common.topics import Topic, status
 C = TypeVar("C", bound=ServiceConfig)
 M = TypeVar("M", bound=Message)
 
+ROOM = 8  # messages that may wait to be unpacked
+RATE = 200.0  # [Hz] at which messages of a topic are unpacked
 PATIENCE = 0.1  # [s] a wait may last before the service looks whether it should end
 RETRY = 0.5  # [s] between two attempts to reach a router
 USAGE_ERROR = 2
@@ -77,15 +80,21 @@ class Service(Generic[C]):
         """Declare that messages of `topic` will be said."""
         return self.bus.publisher(topic)
 
-    def receive(self, topic: Topic[M], accept: Callable[[M], None]) -> None:
-        """Call `accept`, from the bus's thread, for every good message of `topic`; bad ones are counted and told."""
+    def receive(self, topic: Topic[M], accept: Callable[[M], None], room: int = ROOM) -> None:
+        """Call `accept`, from a thread of the topic's own, for every good message; bad ones are counted and told.
+
+        No more than RATE are looked at; of others that come meanwhile the newest `room` are kept.
+        """
         order = StreamOrder()
+
+        def refused(path: str, why: MessageError) -> None:
+            self.tally.complain("malformed", f"{path}: {why}")
 
         def arrived(path: str, payload: bytes) -> None:
             try:
                 message = topic.message.decode(payload)
             except MessageError as error:
-                self.tally.complain("malformed", f"{path}: {error}")
+                refused(path, error)
                 return
             oddity = order.check(message.seq, message.stamp) if isinstance(message, DepthImage | LaserScan) else None
             if oddity:
@@ -93,7 +102,7 @@ class Service(Generic[C]):
             self.tally.count("received")
             accept(message)
 
-        self.bus.subscribe(topic.path, arrived)
+        self.bus.subscribe(topic.path, arrived, room, RATE, refused)
 
     def newest(self, topic: Topic[M]) -> Iterator[M]:
         """Every good message of `topic` until the service ends; while one is worked on, only the newest is kept."""
@@ -103,7 +112,7 @@ class Service(Generic[C]):
             if not inbox.put(message):
                 self.tally.count("overtaken")
 
-        self.receive(topic, accept)
+        self.receive(topic, accept, room=2)
         self.ready()
         while self.running:
             message = inbox.get(PATIENCE)
@@ -142,7 +151,7 @@ class Service(Generic[C]):
             rate=rate,
             latency=self.tally.latency(),
             counts=self.tally.counts(),
-            note=self.note,
+            note=self.note[:LONGEST_TEXT],
         )
 
 

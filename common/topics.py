@@ -9,6 +9,7 @@ from typing import Any, Generic, TypeVar
 
 from common.base_messages import BaseState, Imu, Odometry, SafetyState, Velocity
 from common.description import RobotDescription
+from common.limits import LARGEST
 from common.map_messages import OccupancyGrid, Pose2D
 from common.message import Message
 from common.messages import DepthImage, LaserScan, ServiceStatus
@@ -85,3 +86,9 @@ def message_at(path: str) -> type[Message] | None:
         if path == prefix or path.startswith(prefix + "/"):
             return message
     return None
+
+
+def most_bytes(path: str) -> int:
+    """How large a payload may be at a key's path below the robot's name."""
+    message = message_at(path)
+    return message.most_bytes() if message else LARGEST

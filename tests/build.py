@@ -162,7 +162,7 @@ class Bus:
     def publisher(self, topic):
         return SimpleNamespace(put=self.said[topic.path].append, heard=True)
 
-    def subscribe(self, path, receive) -> None:
+    def subscribe(self, path, receive, *_limits) -> None:
         self.receivers[path] = receive
 
     def latch(self, topic):

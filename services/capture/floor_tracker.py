@@ -7,7 +7,8 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from common.geometry import HIGHEST_CAMERA, STEEPEST_AXIS, Camera, FloorPlane
+from common.geometry import STEEPEST_AXIS, Camera, FloorPlane
+from common.limits import HIGHEST_CAMERA
 from services.capture.floor_fit import Fit, Unseen, find
 from services.capture.floor_mount import Mount
 from services.capture.floor_rays import FloorRays, floor_rays

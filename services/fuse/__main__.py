@@ -74,7 +74,7 @@ def serve(service: Service[FuseConfig]) -> None:
             if not inbox.put((name, scan)):
                 service.tally.count("overtaken")
 
-        service.receive(topic, accept)
+        service.receive(topic, accept, ROOM)
 
     for name, topic in SIDES.items():
         listen(name, topic)

@@ -126,7 +126,7 @@ def test_any_path_survives_an_override_and_a_dump(path):
 CHANGED = {
     "capture": ['capture.path=/data/it\'s "odd"\\=ü\n#', "capture.compressed=false", "capture.range=[0.1, 65]"],
     "negative": ["negative.beams=2", "negative.scan_time=1e-9", 'negative.methods=["virtual_floor"]'],
-    "positive": ["positive.robot_height=1e15", "positive.range_max=12345678.9"],
+    "positive": ["positive.robot_height=1e15", "positive.range_max=12345.75"],
     "fuse": [LIDAR, "fuse.inputs.lidar.x=-1e-3", "fuse.inputs.a b.key=x", "fuse.inputs..key=y"],
 }
 

@@ -96,7 +96,7 @@ def test_a_scan_of_what_is_no_finite_number_is_refused(name, wrong):
 @pytest.mark.parametrize("name", LISTS)
 def test_a_list_is_neither_shorter_nor_longer(name):
     sent = build.depth_fields()[name]
-    for wrong in (sent[:-1], [*sent, 1.0], [*sent] * 1000):
+    for wrong in (sent[:-1], [*sent, 1.0], [*sent] * 100):
         with pytest.raises(MessageError, match=name):
             decode(DepthImage, **{name: wrong})
 
@@ -150,7 +150,7 @@ def test_an_impossible_frame_is_refused_with_its_reason(reason):
 
 
 CONTRADICTIONS = {
-    "no beams": {"ranges": b"", "intensities": b""},
+    "0 beams": {"ranges": b"", "intensities": b""},
     "ranges: .*whole number of float32": {"ranges": bytes(13)},
     "intensities: 2 values for 3": {"intensities": floats(1, 1)},
     "intensities: not finite": {"intensities": floats(1, math.nan, 1)},
@@ -161,7 +161,7 @@ CONTRADICTIONS = {
     "ranges: negative$": {"ranges": floats(1, -math.inf, 1)},
     "angle_max: 2.0, expected 0.5": {"angle_max": 2.0},
     "angle_max.*expected": {"angle_max": -0.5},
-    "angle_increment.*greater than 0": {"angle_increment": 0.0},
+    "angle_increment.*greater than or equal to": {"angle_increment": 0.0},
     "angle_increment": {"angle_increment": -0.5, "angle_min": 0.5, "angle_max": -0.5},
     "time_increment": {"time_increment": -0.1},
     "scan_time": {"scan_time": -0.1},

@@ -1,0 +1,180 @@
+"""The bus in a flood, at its end, and without an endpoint."""
+
+import contextlib
+import json
+import threading
+import time
+
+import msgpack
+import psutil
+import pytest
+import zenoh
+
+from common.bus import Bus, Network
+from common.topics import VELOCITY
+from tests.service.conftest import DEADLINE
+
+NOT_LATE = 1.0  # [s] that a single answer may take in a flood; without rings it takes ten
+
+
+@pytest.fixture
+def bus(client):
+    with Bus(Network("client", [client.endpoint]), client.robot) as made:
+        yield made
+
+
+def wait_for(holds):
+    """Wait for a fact."""
+    deadline = time.monotonic() + DEADLINE
+    while not holds():
+        assert time.monotonic() < deadline
+        threading.Event().wait(0.01)
+
+
+@contextlib.contextmanager
+def flood(client, act):
+    """Another client that does something as fast as it can, in a thread of its own."""
+    config = zenoh.Config()
+    config.insert_json5("mode", '"client"')
+    config.insert_json5("connect/endpoints", json.dumps([client.endpoint]))
+    over, session = threading.Event(), zenoh.open(config)
+
+    def run():
+        while not over.is_set():
+            act(session)
+
+    thread = threading.Thread(target=run)
+    thread.start()
+    yield
+    over.set()
+    thread.join()
+    session.close()
+
+
+def test_a_flood_of_one_command_delays_no_other(client, bus):
+    asked = []
+    bus.answer("base/command/version", lambda _: asked.append(time.monotonic()) or {"ok": True})
+    bus.answer("base/command/stop", lambda _: {"ok": True, "message": "stopped"})
+    wait_for(lambda: client.ask("base/command/stop", {})["ok"])
+    key = f"{client.robot}/base/command/version"
+    with flood(client, lambda session: session.get(key, zenoh.handlers.RingChannel(1))):
+        wait_for(lambda: len(asked) > 50)
+        for _ in range(5):
+            began = time.monotonic()
+            assert client.ask("base/command/stop", {})["ok"]
+            assert time.monotonic() - began < NOT_LATE
+    rate = (len(asked) - 1) / (asked[-1] - asked[0])
+    assert rate < 250
+
+
+def test_a_flood_of_one_key_delays_no_other(client, bus):
+    arrived, slowly = threading.Event(), threading.Event()
+    bus.subscribe("base/cmd_vel", lambda *_: slowly.wait(0.05))
+    bus.subscribe("scan/fused", lambda *_: arrived.set())
+    bus.answer("base/command/stop", lambda _: {"ok": True})
+    wait_for(lambda: client.ask("base/command/stop", {})["ok"])
+    payload = msgpack.packb({"stamp": 1, "linear": 0.1, "angular": 0.0})
+    with flood(client, lambda session: session.put(f"{client.robot}/base/cmd_vel", payload)):
+        for _ in range(5):
+            arrived.clear()
+            client.put("scan/fused", b"")
+            assert arrived.wait(NOT_LATE)
+            assert client.ask("base/command/stop", {})["ok"]
+    slowly.set()
+
+
+def test_a_dropped_request_ends_for_its_asker(client, bus):
+    let_go = threading.Event()
+    bus.answer("base/command/version", lambda _: let_go.wait(DEADLINE) and {"ok": True})
+    bus.answer("up", lambda _: {"ok": True})
+    wait_for(lambda: client.ask("up", {})["ok"])
+    key, ends = f"{client.robot}/base/command/version", []
+
+    def ask():
+        ends.append(len(list(client.session.get(key, timeout=DEADLINE))))
+
+    askers = [threading.Thread(target=ask) for _ in range(12)]
+    for asker in askers:
+        asker.start()
+    wait_for(lambda: len(ends) == 12 - 9)  # one is being answered, eight wait
+    assert ends == [0, 0, 0]
+    let_go.set()
+    for asker in askers:
+        asker.join(DEADLINE)
+    assert sorted(ends) == [0] * 3 + [1] * 9
+
+
+def test_a_payload_beyond_its_key_is_told_and_not_delivered(client, bus):
+    arrived, refused = [], []
+    bus.subscribe("base/*", lambda *each: arrived.append(each), refused=lambda *each: refused.append(each))
+    bus.answer("base/command/led", lambda parameters: {"ok": True, "got": parameters})
+    wait_for(lambda: client.ask("base/command/led", {})["ok"])
+    client.put("base/cmd_vel", bytes(1_000_000))
+    client.put("base/cmd_vel", b"small")
+    wait_for(lambda: arrived)
+    assert arrived == [("base/cmd_vel", b"small")]
+    assert [(path, str(why)) for path, why in refused] == [("base/cmd_vel", "1000000 bytes, expected 32768 at most")]
+    answer = client.ask("base/command/led", {"led": bytes(1_000_000)})
+    assert answer == {"ok": False, "message": "malformed request: 1000010 bytes, expected 32768 at most"}
+
+
+def test_an_error_in_a_receiver_costs_one_message(client, bus, caplog):
+    arrived = []
+
+    def receive(_path, payload):
+        arrived.append(payload)
+        if payload == b"1":
+            raise RuntimeError("a slip")
+
+    bus.subscribe("scan/lidar", receive)
+    bus.answer("up", lambda _: {"ok": True})
+    wait_for(lambda: client.ask("up", {})["ok"])
+    for payload in (b"1", b"2"):
+        client.put("scan/lidar", payload)
+    wait_for(lambda: len(arrived) == 2)
+    assert "a slip" in caplog.text
+
+
+def test_threads_end_with_the_session(client):
+    with Bus(Network("client", [client.endpoint]), client.robot) as bus:
+        bus.subscribe("scan/fused", lambda *_: None)
+        bus.answer("base/command/stop", lambda _: {})
+        bus.latch(VELOCITY)
+        bus.receive_latched("description", lambda *_: None)
+    mine = f"bus {client.robot}/"
+    wait_for(lambda: not any(thread.name.startswith(mine) for thread in threading.enumerate()))
+
+
+def test_what_is_kept_comes_to_those_who_come_later(client, bus):
+    publish = bus.latch(VELOCITY)
+    publish(VELOCITY.message(stamp=1, linear=0.5, angular=0.0))
+    arrived = []
+    with Bus(Network("client", [client.endpoint]), client.robot) as later:
+        later.receive_latched("base/cmd_vel", lambda _, payload: arrived.append(msgpack.unpackb(payload)["linear"]))
+        wait_for(lambda: arrived)
+        bus.announce("kobuki")  # asks again
+        wait_for(lambda: len(arrived) > 1)
+    assert set(arrived) == {0.5}
+
+
+def test_with_no_endpoint_nothing_beyond_this_machine_can_connect(client, start, run):
+    process = start("fuse", wait=False, where=[])
+    process.wait_said("ready")
+    listening = [
+        each.laddr.ip
+        for each in psutil.Process(process.process.pid).net_connections("tcp")
+        if each.status == psutil.CONN_LISTEN
+    ]
+    assert listening == ["127.0.0.1"]
+
+
+def test_a_router_is_found_by_those_who_look_on_this_machine(client, start, run):
+    """The router listens where it was told, and a client without an endpoint finds it by asking."""
+    config = zenoh.Config()
+    config.insert_json5("mode", '"router"')
+    config.insert_json5("listen/endpoints", '["tcp/127.0.0.1:0"]')
+    with zenoh.open(config) as router, Bus(Network("client"), client.robot) as bus:
+        assert router.zid() is not None
+        arrived = threading.Event()
+        bus.subscribe("scan/fused", lambda *_: arrived.set())
+        wait_for(lambda: router.put(f"{client.robot}/scan/fused", b"") or arrived.is_set())
