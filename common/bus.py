@@ -115,10 +115,11 @@ class Bus:
             )
         )
 
-    def subscribe(self, path: str, receive: Callable[[str, bytes], object]) -> None:
+    def subscribe(self, path: str, receive: Callable[[str, bytes], object]) -> Callable[[], None]:
         """Call `receive(path, payload)` for every sample on `path` below the robot's name; `*` and `**` are wild.
 
-        The calls come one after another from a thread of the subscription's own. Raises BusError for what is no path.
+        The calls come one after another from a thread of the subscription's own, until what is returned is called.
+        Raises BusError for what is no path.
         """
         prefix = len(self.robot) + 1
 
@@ -127,9 +128,10 @@ class Bus:
                 receive(str(sample.key_expr)[prefix:], sample.payload.to_bytes())
 
         try:
-            self._session.declare_subscriber(f"{self.robot}/{path}", deliver)
+            subscriber = self._session.declare_subscriber(f"{self.robot}/{path}", deliver)
         except zenoh.ZError as error:
             raise BusError(f"{path!r} is no key: {_first_line(error)}") from error
+        return subscriber.undeclare
 
     def answer(
         self, path: str, reply: Callable[[dict[str, Any]], dict[str, Any]], but_at: Collection[str] = ()
@@ -217,6 +219,16 @@ class Bus:
         pattern = f"{self.robot}/{alive('*')}"
         replies = self._session.liveliness().get(pattern, timeout=timeout)
         return {str(reply.ok.key_expr).rpartition("/")[2] for reply in replies if reply.ok}
+
+    def robots(self, timeout: float = 1.0) -> dict[str, set[str]]:
+        """The services that work now of every robot on the network, by the robot's name."""
+        found: dict[str, set[str]] = {}
+        middle, end = f"/{alive('')}", alive("*")
+        for reply in self._session.liveliness().get(f"**/{end}", timeout=timeout):
+            if reply.ok:
+                robot, _, service = str(reply.ok.key_expr).rpartition(middle)
+                found.setdefault(robot, set()).add(service)
+        return found
 
     def watch_alive(self, changed: Callable[[str, bool], None]) -> None:
         """Call `changed(service, alive)` for every service that works, and whenever that changes."""
