@@ -33,7 +33,7 @@ def test_a_service_works_where_nothing_can_be_cached(client, run, read_only, tmp
         "NUMBA_CACHE_DIR": "",
         "TMPDIR": str(temporary),
     }
-    process = run([sys.executable, "-c", code, str(read_only), *service], TMPDIR=str(temporary), **nowhere)
+    process = run([sys.executable, "-c", code, str(read_only), *service], **nowhere)
     client.wait_alive("positive")
     kept = temporary / f"cliffscan-kernels-{os.getuid()}"
     assert process.said.count(f"no cache folder is writable: compiled kernels are kept in {kept}\n") == 1
