@@ -111,8 +111,11 @@ def main() -> None:
     options = parser.parse_args()
     with socket.create_server(("127.0.0.1", 0)) as server:
         endpoint = f"tcp/127.0.0.1:{server.getsockname()[1]}"
-    settings = ["capture.source=simulator", f"capture.rate={options.rate}"]
-    settings.append(f"capture.compressed={str(not options.raw).lower()}")
+    settings = [
+        "capture.source=simulator",
+        f"capture.rate={options.rate}",
+        f"capture.compressed={str(not options.raw).lower()}",
+    ]
     plan = Plan(f"bench-{uuid.uuid4().hex[:8]}", (endpoint,), overrides=settings)
     for table in tables(measure(plan, options.frames)):
         Console().print(table)

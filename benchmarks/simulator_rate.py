@@ -15,7 +15,8 @@ from simulator.camera import SimulatedKinect
 from simulator.faces import faces_of
 from simulator.kinect import measure, returns
 from simulator.rasteriser import depth_image
-from simulator.world import SCENE, Pose, World, world_names
+from simulator.world import SCENE, Pose, World
+from simulator.world_names import world_names
 
 
 def milliseconds(work: Callable[[], object], times: int) -> float:

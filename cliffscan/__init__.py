@@ -1,1 +1,1 @@
-"""The command `cliffscan`: start everything, see how it fares, look at what is said."""
+"""The command `cliffscan`: start everything, see how it fares, look at what is published."""

@@ -11,6 +11,7 @@ from typing import NamedTuple, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from cliffscan.plain import plain
 from common.bus import Bus
 from common.geometry import FloorPlane
 from common.inbox import Inbox
@@ -65,7 +66,7 @@ def calibrate(bus: Bus, seconds: float, nominal: FloorPlane | None, stop: StopSi
     try:
         print(measure(frames(bus, seconds, stop), nominal).lines())
     except NotMeasured as why:
-        print(f"cliffscan: {why}", file=sys.stderr)
+        print(f"cliffscan: {plain(str(why))}", file=sys.stderr)
         return 1
     return 0
 

@@ -5,38 +5,61 @@ from __future__ import annotations
 import argparse
 import logging
 import math
-import time
+import re
+import socket
+import sys
 from collections.abc import Callable
 from typing import get_args
 
 from cliffscan.calibrate import calibrate
-from cliffscan.drive import drive
+from cliffscan.drive import PRIORITY, drive
 from cliffscan.echo import echo
+from cliffscan.listing import list_keys, list_robots
+from cliffscan.liveness import alive
 from cliffscan.status import status
 from cliffscan.supervisor import ConfigRefused
 from cliffscan.system import TURN, Base, Plan, System
+from cliffscan.welcome import welcome
 from common import config as configuration
 from common import options
 from common.bus import Bus, BusError, Network
 from common.config import ConfigError
 from common.service import USAGE_ERROR, StopSignal, connect, package_version
+from common.topics import ROBOT_NAME
 from services.capture.config import CaptureConfig
+from simulator.world_names import RANDOM, world_names
 
-PATIENCE = 1.0  # [s] in which a new session has heard of every service that works
+SIMULATED = "simulated"
+WORLD = "paper_room"  # has a hole 1.5 m ahead
+
+HOST = re.sub(r"[^A-Za-z0-9_.-]", "_", socket.gethostname()) or "here"
 
 log = logging.getLogger("cliffscan")
 
 
 def up(arguments: argparse.Namespace, stop: StopSignal) -> int:
     """Run everything until Ctrl-C."""
-    listen = arguments.listen or list(Plan.listen)
-    plan = Plan(
-        arguments.robot, listen, arguments.connect, arguments.config, arguments.set, arguments.base, arguments.world
-    )
+    plan = plan_of(arguments)
     with System(plan, stop) as system:
+        print(welcome(plan), file=sys.stderr, flush=True)
+        told = False
         while not stop.wait(TURN):
             system.poll()
+            if not told and system.alive.issuperset(plan.services):
+                told = True
+                log.info("all services work")
     return 0
+
+
+def plan_of(arguments: argparse.Namespace) -> Plan:
+    """What is to be started. Raises ConfigError."""
+    listen = arguments.listen or list(Plan.listen)
+    common = arguments.robot, listen, arguments.connect, arguments.config, arguments.set
+    if arguments.base == SIMULATED:
+        return Plan(*common, world=arguments.world or WORLD)
+    if arguments.world:
+        raise ConfigError(f"--world {arguments.world} is for a simulated robot; leave out --base {arguments.base}")
+    return Plan(*common, base=arguments.base)
 
 
 def router(arguments: argparse.Namespace, stop: StopSignal) -> int:
@@ -45,18 +68,16 @@ def router(arguments: argparse.Namespace, stop: StopSignal) -> int:
     bus = connect(Network("router", network.connect, network.listen, network.zenoh_config), arguments.robot, stop)
     if bus:
         with bus:
-            bus.announce("router")
+            bus.announce(f"router-{arguments.name}")
             stop.wait()
     return 0
 
 
-def alive(service: str, bus: Bus, stop: StopSignal) -> int:
-    """0 as soon as `service` is heard to work; 1 where that takes longer than news of it can take."""
-    deadline = time.monotonic() + PATIENCE
-    while service not in bus.alive():
-        if time.monotonic() > deadline or stop.wait(TURN):
-            return 1
-    return 0
+def name_part(text: str) -> str:
+    """What can be a part of a key."""
+    if not ROBOT_NAME.fullmatch(text) or "/" in text:
+        raise argparse.ArgumentTypeError(f"{text!r} is no name: letters, digits and _ . -")
+    return text
 
 
 def mount(arguments: argparse.Namespace, bus: Bus, stop: StopSignal) -> int:
@@ -73,6 +94,15 @@ def seconds(text: str) -> float:
     if not 0.0 < value < math.inf:
         raise argparse.ArgumentTypeError(f"{text} s, expected a time span")
     return value
+
+
+def looked(arguments: argparse.Namespace) -> str:
+    """Where on the network is looked, in words."""
+    if arguments.connect:
+        return f"connected to {', '.join(arguments.connect)}"
+    if arguments.zenoh_config:
+        return f"by {arguments.zenoh_config}"
+    return "looking on this machine and its network"
 
 
 def on_bus(
@@ -108,34 +138,53 @@ def build_parser() -> argparse.ArgumentParser:
         return added
 
     started = add("up", up, "Start a router and all services on this machine; Ctrl-C ends them.", options.add_endpoints)
+    started.epilog = (
+        "Without options the robot is simulated. A real one: --base real --set capture.source=kinect."
+        f" Worlds: {', '.join(world_names())}, {RANDOM}SEED."
+    )
     options.add_config(started)
     started.add_argument(
-        "--base", choices=get_args(Base), default="emulated", help="the robot's base: emulated, on kobuki.port, or none"
+        "--base",
+        choices=(SIMULATED, *get_args(Base)),
+        default=SIMULATED,
+        help="simulated with its camera; real, on kobuki.port; or none. The last two need capture.source",
     )
     started.add_argument(
-        "--world", default="", metavar="NAME", help="simulate the robot, base and camera, in a world; or random:SEED"
+        "--world", default="", metavar="NAME", help=f"where the simulated robot is, {WORLD} unless told otherwise"
     )
-    add("router", router, "Route between the processes of this machine, and to the routers that --connect names.")
+    routed = add("router", router, "Route between the processes of this machine, and to the routers --connect names.")
+    routed.add_argument(
+        "--name", type=name_part, default=HOST, help="it is alive as router-NAME; this machine's name by default"
+    )
     shown = add(
         "status",
-        on_bus(lambda a, bus, stop: status(bus, a.watch, stop)),
-        "Show which services live, how fast and how late they are.",
+        on_bus(lambda a, bus, stop: status(bus, a.watch, looked(a), stop)),
+        "Show which services live, how fast and how late they are, and what is wrong.",
     )
     shown.add_argument("--watch", action="store_true", help="keep the table up to date")
-    told = add("alive", on_bus(lambda a, bus, stop: alive(a.service, bus, stop)), "Exit 0 if a service works.")
-    told.add_argument("service")
+    listed = add(
+        "list",
+        on_bus(lambda a, bus, stop: list_robots(bus, looked(a), stop) if a.all else list_keys(bus, looked(a), stop)),
+        "Print a robot's live keys: tokens, and what is published, how often and as which message.",
+    )
+    listed.add_argument("--all", action="store_true", help="the robots on the network and their services instead")
+    told = add(
+        "alive", on_bus(lambda a, bus, stop: alive(a.service, bus, looked(a), stop)), "Exit 0 if a service works."
+    )
+    told.add_argument("service", help="as fuse, or router for any router-NAME")
     measured = add("calibrate", on_bus(mount), "Measure the camera's mount from the floor; print its configuration.")
     options.add_config(measured)
     measured.add_argument("--seconds", type=seconds, default=5.0, metavar="S", help="how long to look at the floor")
     driven = add(
         "drive", on_bus(lambda a, bus, stop: drive(bus, stop, a.linear, a.angular)), "Drive with the keyboard."
     )
+    driven.epilog = f"Its commands have priority {PRIORITY}: they outrank those of a program, which have 0 by default."
     driven.add_argument("--linear", type=float, default=0.2, metavar="M/S", help="speed to begin with")
     driven.add_argument("--angular", type=float, default=0.8, metavar="RAD/S", help="turn rate to begin with")
     heard = add(
         "echo",
         on_bus(lambda a, bus, stop: echo(bus, a.key, a.count, a.timeout, a.full, stop)),
-        "Print what is said on a key.",
+        "Print what is published on a key.",
     )
     heard.add_argument("key", help="below the robot's name, as scan/fused; * and ** are wild")
     heard.add_argument("--count", type=int, default=0, metavar="N", help="end after N messages")

@@ -10,7 +10,8 @@ from dataclasses import dataclass
 from typing import Generic, NamedTuple, TypeVar
 
 from cliffscan.keys import KeyPad, Motion
-from common.base_messages import BaseState, Odometry, SafetyState
+from cliffscan.plain import plain
+from common.base_messages import BaseState, Odometry, Rule, SafetyState
 from common.bus import Bus
 from common.message import Message, MessageError
 from common.topics import BASE_STATE, ODOMETRY, SAFETY, Topic
@@ -25,6 +26,21 @@ HELP = (
     "r  reset odometry                         q  quit",
 )
 ORDINARY = ("free", "no_command", "limit")  # rules of the gate that hold while nothing is wrong
+MEANING: dict[Rule, str] = {  # of a rule whose note says nothing more
+    "free": "",
+    "limit": "",
+    "no_command": "",
+    "no_base": "the base is silent: nothing moves",
+    "refused": "the base's firmware is refused: its motors are never driven",
+    "stopped": "emergency stop",
+    "wheel_drop": "a wheel hangs in the air",
+    "overcurrent": "a motor draws too much",
+    "cliff": "a cliff sensor sees no floor",
+    "bumper": "a bumper is pressed",
+    "odometry": "the wheels' odometry cannot be believed",
+    "no_scan": "the fused scan is old: it only turns",
+    "obstacle": "an obstacle, an edge or ground that was never seen is in the way",
+}
 HOME, CLEAR_LINE, CLEAR_BELOW = "\x1b[0m\x1b[H", "\x1b[K", "\x1b[J"
 STANDING_OUT, PLAIN = "\x1b[7m", "\x1b[0m"
 
@@ -66,7 +82,7 @@ def lines(view: View) -> list[Line]:
         _row("battery", view.state, STALE, _battery),
         _row("pose", view.odometry, STALE, _pose),
         _row("moves", view.odometry, STALE, lambda odometry: Line(_motion(Motion(*odometry.twist)))),
-        Line(f"command   {_printable(view.note)}" if view.note else ""),
+        Line(f"command   {plain(view.note)}" if view.note else ""),
         *(Line(text) for text in HELP),
     ]
 
@@ -130,7 +146,7 @@ def _row(name: str, heard: Aged[M] | None, stale: float, told: Callable[[M], Lin
 
 
 def _battery(state: BaseState) -> Line:
-    return Line(f"{state.battery_voltage:.1f} V   {state.battery_percent:.0f} %   {_printable(state.charger)}")
+    return Line(f"{state.battery_voltage:.1f} V   {state.battery_percent:.0f} %   {plain(state.charger)}")
 
 
 def _pose(odometry: Odometry) -> Line:
@@ -143,8 +159,10 @@ def _gate(heard: Aged[SafetyState] | None) -> list[Line]:
     if heard is None:
         return [rule]
     state = heard.message
+    why = state.note or MEANING[state.rule]
     return [
         rule,
+        *([Line(f"  {plain(why)}", rule.alarm)] if why else []),
         Line(f"  asked   {_motion(Motion(*state.asked))}"),
         Line(f"  allowed {_motion(Motion(*state.allowed))}", alarm=state.asked != state.allowed),
     ]
@@ -153,14 +171,8 @@ def _gate(heard: Aged[SafetyState] | None) -> list[Line]:
 def _rule(state: SafetyState) -> Line:
     distance = f" at {state.distance:.2f} m" if state.distance >= 0 else ""
     latched = ", holds until c is pressed" if state.latched else ""
-    note = f": {_printable(state.note)}" if state.note else ""
-    return Line(f"{state.rule}{distance}{latched}{note}", alarm=state.rule not in ORDINARY)
+    return Line(f"{state.rule}{distance}{latched}", alarm=state.rule not in ORDINARY)
 
 
 def _motion(motion: Motion) -> str:
     return f"{motion.linear:+.2f} m/s   {motion.angular:+.2f} rad/s"
-
-
-def _printable(text: str) -> str:
-    """The text without control characters: it may be anybody's."""
-    return "".join(each if each.isprintable() else "?" for each in text)

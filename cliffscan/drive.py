@@ -8,17 +8,16 @@ from __future__ import annotations
 
 import os
 import select
-import signal
 import sys
 import termios
 import threading
 import time
-from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import suppress
 from types import TracebackType
 from typing import Protocol, Self
 
 from cliffscan.dashboard import Board, lines, screen
+from cliffscan.hang_up import hang_up_stops
 from cliffscan.keys import FASTEST, FASTEST_TURN, STILL, KeyPad, Motion, Order
 from common.base_messages import Velocity
 from common.bus import Bus
@@ -29,6 +28,7 @@ from common.topics import VELOCITY, command
 STDIN = 0
 PERIOD = 0.05  # [s] between two velocities while driving
 DRAWN_EVERY = 0.1  # [s]
+SOURCE, PRIORITY = "drive", 10  # of its commands: a person at the keys outranks a program
 FAREWELL = 3  # zero velocities at the end
 ANSWER_WITHIN = 1.0  # [s]
 ROOM = 1024  # bytes of typing that are taken at once
@@ -48,7 +48,7 @@ def drive(bus: Bus, stop: StopSignal, linear: float, angular: float) -> int:
     pad = KeyPad(linear, angular)
     board = Board(bus, pad)
     # The last to be entered is the first to be left: the wheels.
-    with _hang_up_stops(stop), Terminal(STDIN) as terminal, Orders(bus) as orders, Wheels(bus.publisher(VELOCITY)) as w:
+    with hang_up_stops(stop), Terminal(STDIN) as terminal, Orders(bus) as orders, Wheels(bus.publisher(VELOCITY)) as w:
         _follow(stop, pad, terminal, orders, w, board)
     return 0
 
@@ -112,7 +112,11 @@ class Wheels:
             self._say(motion)
 
     def _say(self, motion: Motion) -> None:
-        self._publisher.put(Velocity(stamp=time.time_ns(), linear=motion.linear, angular=motion.angular))
+        self._publisher.put(
+            Velocity(
+                stamp=time.time_ns(), linear=motion.linear, angular=motion.angular, source=SOURCE, priority=PRIORITY
+            )
+        )
 
 
 class Says(Protocol):
@@ -219,15 +223,3 @@ class Orders:
             self.note = f"{name}: NO ANSWER from the base"
         else:
             self.note = f"{name}: {'done' if reply.get('ok') is True else 'REFUSED'}, {reply.get('message', '')}"
-
-
-@contextmanager
-def _hang_up_stops(stop: StopSignal) -> Iterator[None]:
-    """A terminal that hangs up, or asks to quit, ends the program as Ctrl-C does."""
-    numbers = (signal.SIGHUP, signal.SIGQUIT)
-    before = [signal.signal(number, lambda *_: stop.set()) for number in numbers]
-    try:
-        yield
-    finally:
-        for number, handler in zip(numbers, before, strict=True):
-            signal.signal(number, handler)

@@ -1,40 +1,67 @@
-"""`cliffscan echo KEY`: print what is said on a key."""
+"""`cliffscan echo KEY`: print what is published on a key."""
 
 from __future__ import annotations
 
+import sys
 import time
 
+from cliffscan.live import live_keys
+from cliffscan.plain import plain
 from cliffscan.show import line
 from common.bus import Bus
 from common.inbox import Inbox
 from common.message import MessageError
 from common.service import PATIENCE, StopSignal
+from common.suggest import suggest
 from common.topics import message_at
 
 ROOM = 256  # samples that may wait to be printed
+QUIET = 3.0  # [s] without a message, after which that is told
+NAMED = 12  # live keys that are named
 
 
 def echo(bus: Bus, path: str, count: int, timeout: float, full: bool, stop: StopSignal) -> int:
-    """Print `count` messages (0: all) said on `path`; 1 where they did not come within `timeout` [s] (0: no limit)."""
+    """Print `count` messages (0: all) of `path`; 1 where they did not come within `timeout` [s] (0: no limit).
+
+    Where none comes, standard error tells what else is live: at the end, or after QUIET where there is no end.
+    """
     inbox: Inbox[tuple[str, bytes]] = Inbox(ROOM)
     bus.subscribe(path, lambda key, payload: inbox.put((key, payload)))
-    printed = 0
-    deadline = time.monotonic() + timeout
+    printed, told = 0, False
+    begun = time.monotonic()
     while not stop.is_set() and not (count and printed == count):
-        if timeout and time.monotonic() > deadline:
-            return 1
         arrived = inbox.get(PATIENCE)
+        passed = time.monotonic() - begun
         if arrived:
             print(_told(*arrived, full), flush=True)
             printed += 1
+        elif timeout and passed > timeout:
+            _complain(f"{printed} of {count or 'all'} messages" if printed else "nothing", bus, path, timeout, stop)
+            return 1
+        elif not timeout and not printed and not told and passed > QUIET:
+            told = True
+            _complain("nothing yet", bus, path, QUIET, stop)
     return 0
+
+
+def _complain(what: str, bus: Bus, path: str, seconds: float, stop: StopSignal) -> None:
+    """Tell on one line what did not come, and which keys are live."""
+    keys = [key.path for key in live_keys(bus, stop)]
+    if keys:
+        more = f" and {len(keys) - NAMED} more (cliffscan list)" if len(keys) > NAMED else ""
+        live = f"live keys are {', '.join(keys[:NAMED])}{more}"
+    else:
+        live = f"no key of {bus.robot} is live: is `cliffscan up` running?"
+    meant = "" if path in keys else suggest(path, keys)
+    text = f"{what} on {bus.robot}/{path} within {seconds:g} s; {live}{meant}"
+    print(f"cliffscan: {plain(text)}", file=sys.stderr, flush=True)
 
 
 def _told(path: str, payload: bytes, full: bool) -> str:
     kind = message_at(path)
     if kind is None:
-        return f"{path} {len(payload)} bytes of a message that the contract does not name"
+        return plain(f"{path} {len(payload)} bytes of a message that the contract does not name")
     try:
-        return f"{path} {line(kind.decode(payload), full)}"
+        return plain(f"{path} {line(kind.decode(payload), full)}")
     except MessageError as error:
-        return f"{path} malformed {kind.__name__}: {error}"
+        return plain(f"{path} malformed {kind.__name__}: {error}")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import logging
 import re
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -14,18 +14,23 @@ from types import TracebackType
 from typing import Literal, Self
 
 from cliffscan import preflight
+from cliffscan.hang_up import hang_up_stops
+from cliffscan.plain import plain
 from cliffscan.supervisor import Supervisor
 from common import config as configuration
 from common.bus import Bus, Network, NotConnected
 from common.config import SENSING, SERVICES, ConfigError, meant_for
 from common.service import StopSignal
+from common.suggest import suggest
 from services.capture.config import CaptureConfig
 
 ANYWHERE = re.compile(r"/(0\.0\.0\.0|\[::\]):")
+SIMULATION = "simulation"
 LAST = "capture"  # started when all others are ready, so that its first frame is not lost
 TURN = 0.1  # [s] between two looks at the processes
 FIRST = [name for name in SENSING if name != LAST]
-Base = Literal["emulated", "real", "none"]
+Base = Literal["real", "none"]
+UNREAL = ("simulator", "replay")  # sources of frames that are not of where the robot is
 
 log = logging.getLogger("cliffscan")
 
@@ -34,8 +39,8 @@ log = logging.getLogger("cliffscan")
 class Plan:
     """What to start: the robot's name, its router's endpoints and the routers it joins, the configuration, the base.
 
-    An emulated base is started too, and takes the place of the configured port. With a world, a simulation of the robot
-    in it takes the place of both base and camera; what goes between processes without the network is in `folder`.
+    With a world, a simulation of the robot in it is both base and camera; what goes between processes without the
+    network is in `folder`. Without, the camera must be named in the configuration.
     """
 
     robot: str = "turtlebot"
@@ -43,7 +48,7 @@ class Plan:
     join: Sequence[str] = ()
     config: Path | None = None
     overrides: Sequence[str] = field(default_factory=list)  # SERVICE.KEY=VALUE
-    base: Base = "none"
+    base: Base = "none"  # beside the one of a world
     world: str = ""
     simulation: Sequence[str] = ()  # further options of the simulation
     folder: str = ""
@@ -68,29 +73,38 @@ class Plan:
 
     def capture(self) -> list[str]:
         """Capture's command line."""
-        simulated = ["capture.source=simulator", f"capture.simulation={self.folder}/frames"] if self.world else []
-        return [*self.service("capture"), *(word for each in simulated for word in ("--set", each))]
+        return [*self.service("capture"), *(word for each in self._simulated_camera() for word in ("--set", each))]
+
+    def camera(self) -> CaptureConfig:
+        """Capture's configuration. Raises ConfigError."""
+        overrides = [*self.own("capture"), *self._simulated_camera()]
+        return configuration.load("capture", CaptureConfig, self.config, overrides)
+
+    @property
+    def services(self) -> list[str]:
+        """The services that are started."""
+        return [*SENSING, *(["kobuki"] if self.world or self.base == "real" else [])]
 
     @property
     def port(self) -> Path | None:
         """The port of a base that is started too."""
-        return Path(self.folder) / "kobuki" if self.world or self.base == "emulated" else None
+        return Path(self.folder) / "kobuki" if self.world else None
 
     def base_processes(self) -> dict[str, list[str]]:
         """The command lines of the base's processes by name, the base itself first."""
-        if self.base == "none" and not self.world:
-            return {}
-        if self.base == "real":
-            return {"kobuki": self.service("kobuki")}
-        kobuki = {"kobuki": [*self.service("kobuki"), "--set", f"kobuki.port={self.port}"]}
-        ends = ["--link", str(self.port), "--control", f"{self.folder}/control"]
         if self.world:
-            return {"simulation": [sys.executable, "-m", "simulator", *self._simulation(), *ends], **kobuki}
-        return {"base": [sys.executable, "-m", "simulator.kobuki", *ends], **kobuki}
+            ends = ["--link", str(self.port), "--control", f"{self.folder}/control"]
+            simulation = [sys.executable, "-m", "simulator", *self._simulation(), *ends]
+            return {SIMULATION: simulation, "kobuki": [*self.service("kobuki"), "--set", f"kobuki.port={self.port}"]}
+        return {"kobuki": self.service("kobuki")} if self.base == "real" else {}
+
+    def _simulated_camera(self) -> list[str]:
+        """What makes capture the camera of the simulated robot."""
+        return ["capture.source=simulator", f"capture.simulation={self.folder}/frames"] if self.world else []
 
     def _simulation(self) -> list[str]:
         """The simulation's options: its camera is capture's. Raises ConfigError."""
-        camera = configuration.load("capture", CaptureConfig, self.config, self.own("capture"))
+        camera = self.camera()
         mount = ["--height", camera.height, "--pitch", camera.pitch, "--roll", camera.roll]
         ends = ["--world", self.world, "--frames", f"{self.folder}/frames"]
         return [*ends, *map(str, mount), "--rate", str(camera.rate), "--seed", str(camera.seed), *self.simulation]
@@ -100,23 +114,55 @@ class Plan:
         return [override for override in self.overrides if meant_for(service, override)]
 
     def check(self) -> None:
-        """Raise ConfigError for what a process would refuse, before any is started."""
-        if self.world and self.base == "real":
-            raise ConfigError("a simulated world has no place for a real base")
+        """Raise ConfigError for what a process would refuse, or must not be together, before any is started."""
         for override in self.overrides:
             if not any(meant_for(service, override) for service in SERVICES):
-                raise ConfigError(f"--set {override}: expected SERVICE.KEY=VALUE, SERVICE one of {', '.join(SERVICES)}")
-        for service in SERVICES:
-            preflight.check_config(service, self.config, self.own(service))
+                expected, meant = ", ".join(SERVICES), suggest(override.partition(".")[0], SERVICES)
+                raise ConfigError(f"--set {override}: expected SERVICE.KEY=VALUE, SERVICE one of {expected}{meant}")
+        said = configuration.given("capture", CaptureConfig, self.config, self.own("capture"))
         if self.world:
-            preflight.check_world(self.world)
+            self._check_world(said)
+        else:
+            self._check_camera(said.get("source"))
+        for service in SERVICES:
+            simulated = self._simulated_camera() if service == "capture" else []
+            preflight.check_config(service, self.config, [*self.own(service), *simulated])
+
+    def _check_world(self, said: Mapping[str, object]) -> None:
+        """A simulated robot has a camera and a base of its own. said: of capture. Raises ConfigError."""
+        if self.base == "real":
+            raise ConfigError("a simulated world has no place for a real base: leave out the one or the other")
+        preflight.check_world(self.world)
+        if said.get("source", "simulator") != "simulator":
+            raise ConfigError(
+                f"capture.source={said['source']} shows another place than the simulated robot's world {self.world}:"
+                " add --base real, or --base none"
+            )
+        if said.get("world", self.world) != self.world:
+            raise ConfigError(f"capture.world={said['world']}: the robot is in {self.world}; --world NAME chooses it")
+        if said.get("simulation"):
+            raise ConfigError(f"capture.simulation={said['simulation']}: it is another simulation's; add --base none")
+        port = next((each for each in self.overrides if each.startswith("kobuki.port=")), None)
+        if port:
+            raise ConfigError(f"--set {port}: the simulated robot has a base of its own; add --base real for this one")
+
+    def _check_camera(self, source: object) -> None:
+        """A camera must be named, and a real base must not follow pictures of elsewhere. Raises ConfigError."""
+        if source is None:
+            others = "" if self.base == "real" else ", or replay with capture.path=DIR, or simulator"
+            raise ConfigError(f"no camera is named: add --set capture.source=kinect{others}")
+        if self.base == "real" and source in UNREAL:
+            raise ConfigError(
+                f"capture.source={source} does not show where a real base drives: add --set capture.source=kinect,"
+                " or leave out --base real"
+            )
 
 
 class System:
     """A context manager: entering starts the router and the services, leaving ends them all.
 
     poll() is to be called a few times a second; it starts capture when the others are ready, the base's service when
-    its port is there, and what died again.
+    its port is there, and what ended again.
     """
 
     bus: Bus
@@ -133,10 +179,11 @@ class System:
 
     def __enter__(self) -> Self:
         with ExitStack() as entered:
+            entered.enter_context(hang_up_stops(self._stop))
             folder = entered.enter_context(TemporaryDirectory(prefix="cliffscan-", ignore_cleanup_errors=True))
             self.plan = replace(self.plan, folder=folder)
             entered.enter_context(self.supervisor)
-            self.supervisor.start("router", self.plan.router())
+            self.supervisor.start("router", self.plan.router(), ground=True)
             self.bus = entered.enter_context(self._connect())
             self.bus.watch_alive(self._changed)
             for name in FIRST:
@@ -154,7 +201,9 @@ class System:
     def poll(self) -> None:
         """Look after the processes. Raises ConfigRefused."""
         if LAST not in self.supervisor.children and self.alive.issuperset(FIRST):
-            self.supervisor.start(LAST, self.plan.capture())
+            camera = self.plan.camera()
+            played_once = camera.source == "replay" and not camera.loop
+            self.supervisor.start(LAST, self.plan.capture(), finite=played_once)
         self._start_base()
         self.supervisor.poll()
 
@@ -164,7 +213,7 @@ class System:
         for name, command in self._base.items():
             waits = name == "kobuki" and port is not None and not port.exists()
             if not waits and name not in self.supervisor.children:
-                self.supervisor.start(name, command)
+                self.supervisor.start(name, command, ground=name == SIMULATION)
 
     def _connect(self) -> Bus:
         """The bus, when the router answers. Raises ConfigRefused where the router cannot listen."""
@@ -179,6 +228,6 @@ class System:
     def _changed(self, service: str, alive: bool) -> None:
         if alive:
             self.alive.add(service)
-            log.info("%s is ready", service)
+            log.info("%s is ready", plain(service))
         else:
             self.alive.discard(service)

@@ -119,12 +119,13 @@ class Bus:
         room: int = ROOM,
         rate: float | None = None,
         refused: Callable[[str, MessageError], object] | None = None,
-    ) -> None:
+    ) -> Callable[[], None]:
         """Call `receive(path, payload)` for every sample on `path` below the robot's name; `*` and `**` are wild.
 
         The calls come one after another from a thread of the subscription's own, at most `rate` [Hz] where that is
-        given. `room` samples may wait; beyond, the oldest is dropped, uncounted. A payload larger than its key allows
-        is not even copied, and `refused(path, why)` is told. Raises BusError for what is no path.
+        given, until what is returned is called. `room` samples may wait; beyond, the oldest is dropped, uncounted. A
+        payload larger than its key allows is not even copied, and `refused(path, why)` is told. Raises BusError for
+        what is no path.
         """
         prefix = len(self.robot) + 1
         refuse = refused or self._refused
@@ -145,6 +146,7 @@ class Bus:
         except zenoh.ZError as error:
             raise BusError(f"{path!r} is no key: {_first_line(error)}") from error
         read(source, deliver, Pace(rate, room) if rate else None)
+        return source.undeclare
 
     def answer(
         self, path: str, reply: Callable[[dict[str, Any]], dict[str, Any]], but_at: Collection[str] = ()
@@ -235,6 +237,16 @@ class Bus:
         pattern = f"{self.robot}/{alive('*')}"
         replies = self._session.liveliness().get(pattern, timeout=timeout)
         return {str(reply.ok.key_expr).rpartition("/")[2] for reply in replies if reply.ok}
+
+    def robots(self, timeout: float = 1.0) -> dict[str, set[str]]:
+        """The services that work now of every robot on the network, by the robot's name."""
+        found: dict[str, set[str]] = {}
+        middle, end = f"/{alive('')}", alive("*")
+        for reply in self._session.liveliness().get(f"**/{end}", timeout=timeout):
+            if reply.ok:
+                robot, _, service = str(reply.ok.key_expr).rpartition(middle)
+                found.setdefault(robot, set()).add(service)
+        return found
 
     def watch_alive(self, changed: Callable[[str, bool], None]) -> None:
         """Call `changed(service, alive)` for every service that works, and whenever that changes."""

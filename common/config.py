@@ -11,6 +11,7 @@ import tomli_w
 from pydantic import BaseModel, ConfigDict, ValidationError
 
 from common.message import explain
+from common.suggest import suggest
 
 SENSING = ("capture", "negative", "positive", "fuse")
 SERVICES = (*SENSING, "kobuki")
@@ -50,6 +51,22 @@ def load(service: str, kind: type[C], file: Path | None, overrides: Iterable[str
 
     A file's `profile`, outside all tables, or the override profile=NAME says which defaults lie below.
     """
+    profile, table = _given(service, kind, file, overrides)
+    try:
+        return kind.model_validate({**kind.PROFILES.get(profile, {}), **table})
+    except ValidationError as error:
+        raise ConfigError(f"{service}.{explain(error)}{_meant(kind, error)}") from error
+
+
+def given(service: str, kind: type[ServiceConfig], file: Path | None, overrides: Iterable[str]) -> dict[str, Any]:
+    """What `file` and `overrides` say of `service`, whether it is valid or not. Raises ConfigError."""
+    return _given(service, kind, file, overrides)[1]
+
+
+def _given(
+    service: str, kind: type[ServiceConfig], file: Path | None, overrides: Iterable[str]
+) -> tuple[str, dict[str, Any]]:
+    """The profile's name and the table that are given."""
     tables = _read_tables(file) if file else {}
     profile, table = tables.get(PROFILE, PROFILES[0]), tables.get(service, {})
     for override in overrides:
@@ -58,11 +75,7 @@ def load(service: str, kind: type[C], file: Path | None, overrides: Iterable[str
             profile = _profile(_value(text.strip()), f"--set {override}")
         else:
             _override(table, service, override, kind)
-    table = {**kind.PROFILES.get(profile, {}), **table}
-    try:
-        return kind.model_validate(table)
-    except ValidationError as error:
-        raise ConfigError(f"{service}.{explain(error)}") from error
+    return profile, table
 
 
 def dump(service: str, config: ServiceConfig) -> str:
@@ -83,6 +96,12 @@ def _lack(config: ServiceConfig) -> str:
     return ""
 
 
+def _meant(kind: type[ServiceConfig], error: ValidationError) -> str:
+    """The setting that the first unknown one may be."""
+    unknown = [each["loc"] for each in error.errors() if each["type"] == "extra_forbidden" and len(each["loc"]) == 1]
+    return suggest(str(unknown[0][0]), kind.model_fields) if unknown else ""
+
+
 def _profile(name: object, where: str) -> str:
     if name not in PROFILES:
         raise ConfigError(f"{where}: profile {name!r} is none of {', '.join(PROFILES)}")
@@ -99,7 +118,8 @@ def _read_tables(file: Path) -> dict[str, Any]:
             _profile(table, str(file))
             continue
         if name not in SERVICES:
-            raise ConfigError(f"{file}: unknown table [{name}], expected one of {', '.join(SERVICES)}")
+            expected = ", ".join(SERVICES)
+            raise ConfigError(f"{file}: unknown table [{name}], expected one of {expected}{suggest(name, SERVICES)}")
         if not isinstance(table, dict):
             raise ConfigError(f"{file}: {name} is no table; write [{name}] and its keys below")
     return tables
@@ -112,7 +132,8 @@ def _override(table: dict[str, Any], service: str, override: str, kind: type[Ser
     if not equals or not path:
         raise ConfigError(f"--set {override}: expected {service}.KEY=VALUE")
     if head != service:
-        raise ConfigError(f"--set {override}: this service reads {service}.KEY only")
+        meant = suggest(head, [service])
+        raise ConfigError(f"--set {override}: this service reads {service}.KEY only{meant}")
     for part in path[:-1]:
         table = table.setdefault(part, {})
         if not isinstance(table, dict):

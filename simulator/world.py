@@ -11,11 +11,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from common.geometry import Camera, axes
+from common.suggest import suggest
 from simulator.random_floor import random_floor
+from simulator.world_names import RANDOM, world_names
 
 Floats = NDArray[np.float64]
 
-RANDOM = "random:"  # with a seed, the name of a random floor
 SCENE = 0  # the geom group of what stands in the room; a robot's geoms belong to another, unseen by its own camera
 
 
@@ -30,19 +31,15 @@ class Pose(NamedTuple):
 START = Pose()
 
 
-def world_names() -> list[str]:
-    """Names of the worlds that come with the simulator, in alphabetical order."""
-    folder = files("simulator") / "worlds"
-    return sorted(entry.name.removesuffix(".xml") for entry in folder.iterdir() if entry.name.endswith(".xml"))
-
-
 def world_source(name: str) -> str:
     """A world's MuJoCo XML. Raises ValueError for an unknown name; the message lists the known ones."""
     if name.startswith(RANDOM) and name.removeprefix(RANDOM).isdecimal():
         return random_floor(int(name.removeprefix(RANDOM)))
     known = world_names()
     if name not in known:
-        raise ValueError(f"no world is named {name!r}; there are {', '.join(known)} and {RANDOM}SEED")
+        raise ValueError(
+            f"no world is named {name!r}; there are {', '.join(known)} and {RANDOM}SEED{suggest(name, known)}"
+        )
     return (files("simulator") / "worlds" / f"{name}.xml").read_text(encoding="utf-8")
 
 

@@ -15,7 +15,8 @@ engine=  # process id of the engine started here
 base=  # process id of the emulated base
 compose=(docker compose)
 export COMPOSE_PROJECT_NAME=cliffscan-test COMPOSE_PROFILES=robot,workstation DOCKER_BUILDKIT=0
-export CAPTURE_SOURCE=simulator BASE_IMAGE=${BASE_IMAGE:-python:3.11-slim}
+export CAPTURE_SOURCE=simulator
+export BASE_IMAGE=${BASE_IMAGE:-python:3.11-slim}
 
 say() { printf '== %s\n' "$*"; }
 have() { command -v "$1" >/dev/null; }
@@ -102,6 +103,12 @@ until [[ -e $work/kobuki && -S $work/control ]]; do kill -0 $base; sleep 0.2; do
 KOBUKI_PORT=$(readlink --canonicalize "$work/kobuki")
 export KOBUKI_PORT
 chmod 666 "$KOBUKI_PORT"  # a real port lets the group dialout in
+
+say "no default for the camera, and no real base beside a simulated one"
+env --unset=CAPTURE_SOURCE "${compose[@]}" config --quiet 2>"$work/refused" && exit 1
+grep 'say where depth frames come from' "$work/refused"
+KOBUKI_PORT=/dev/null "${compose[@]}" run --rm --no-deps kobuki 2>"$work/refused" && exit 1
+grep 'a real base does not drive by other frames' "$work/refused"
 
 say "both profiles, healthy"
 "${compose[@]}" up --wait --wait-timeout 180 2>"$work/up.log" || { tail --lines 5 "$work/up.log"; exit 1; }

@@ -1,5 +1,6 @@
-"""The command `cliffscan`: up, status, echo, alive."""
+"""The command `cliffscan`: up, status, list, echo, alive."""
 
+import contextlib
 import os
 import re
 import signal
@@ -8,6 +9,8 @@ import sys
 
 import pytest
 
+from cliffscan.cli import HOST
+from common.config import SERVICES
 from tests.service.conftest import DEADLINE, free_endpoint
 
 
@@ -26,11 +29,11 @@ def place(client):
 
 @pytest.fixture
 def up(client, run):
-    """The whole system on a router of its own, which joins the client's."""
+    """A simulated robot on a router of its own, which joins the client's."""
     endpoint = free_endpoint()
     place = ["--robot", client.robot, "--listen", endpoint, "--connect", client.endpoint]
-    process = run(cliffscan("up", *place, "--set", "capture.source=simulator", "--set", "capture.rate=5"))
-    for service in ("router", "negative", "positive", "fuse", "capture"):
+    process = run(cliffscan("up", *place, "--set", "capture.rate=5"))
+    for service in (f"router-{HOST}", *SERVICES):
         client.wait_alive(service)
     return process
 
@@ -43,40 +46,89 @@ def test_up_starts_all_and_restarts_what_dies_and_ends_all(client, up):
     ear = client.listen("scan/fused")
     assert len(ear.get()["ranges"]) == 4 * 640
     pids = {service: pid_of(client, service) for service in ("capture", "negative", "positive", "fuse")}
-    os.kill(pids["negative"], signal.SIGKILL)
-    up.wait_said("negative died (signal 9); starting it again in 0.5 s")
+    os.kill(pids["negative"], signal.SIGTERM)
+    up.wait_said("negative ended (exit 0); starting it again in 0.5 s")
     client.wait_alive("negative", alive=False)
     client.wait_alive("negative")
     pids["negative"] = pid_of(client, "negative")
     ear.all()
     assert ear.get()
+    before = len(up.said)
     up.signal(signal.SIGTERM)
     assert up.end() == 0
     for pid in pids.values():
         with pytest.raises(ProcessLookupError):
             os.kill(pid, 0)
+    assert "a simulated TurtleBot 2 in the world paper_room" in up.said
+    alarms = re.findall(r".* (?:WARNING|ERROR) (?:kobuki|capture|cliffscan): .*", up.said[before:])
+    assert alarms == []
 
 
 def test_status_shows_who_lives(client, start, place):
     empty = ask("status", *place)
     assert empty.returncode == 1
+    connected = f"connected to {client.endpoint}"
+    assert (
+        empty.stderr == f"cliffscan: nothing of robot {client.robot} heard, {connected}; is `cliffscan up` running?\n"
+    )
     start("fuse")
     shown = ask("status", *place)
     assert shown.returncode == 0
     assert re.search(r"fuse\s.*working", shown.stdout)
+    assert "not heard: capture, kobuki, negative, positive" in shown.stdout
+
+
+def test_status_shows_what_is_malicious_and_goes_on(client, start, place):
+    fields = {"stamp": 1, "service": "evil", "version": "", "state": "working", "pid": 1, "uptime": 1.0, "rate": 1.0}
+    fields |= {"latency": [0.0, 0.0], "counts": {}, "note": "[/x]\x1b[2J"}
+    shown = subprocess.Popen(cliffscan("status", *place), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    while shown.poll() is None:
+        client.put("status/evil", fields)
+        with contextlib.suppress(subprocess.TimeoutExpired):
+            shown.wait(0.05)
+    out, err = shown.communicate()
+    assert err == ""
+    assert "evil: [/x]\\u001b[2J" in out
+
+
+def test_status_of_another_robot_names_those_that_are_heard(client, start, place):
+    start("fuse")
+    asked = ask("status", "--robot", "nobody", "--connect", client.endpoint)
+    assert asked.returncode == 1
+    assert f"other robots heard: {client.robot} " in asked.stderr
+
+
+def test_list_names_live_keys_and_robots(client, start, place):
+    nothing = ask("list", *place)
+    assert nothing.returncode == 1
+    assert "nothing of robot" in nothing.stderr
+    start("fuse")
+    keys = ask("list", *place).stdout
+    assert f"{client.robot}/alive/fuse " in keys
+    assert re.search(rf"{client.robot}/status/fuse +\d\.\d Hz  ServiceStatus\n", keys)
+    assert f"{client.robot}: fuse\n" in ask("list", "--all", *place).stdout
 
 
 def test_alive_tells_by_its_exit_code(start, place):
-    assert ask("alive", "fuse", *place).returncode == 1
+    asked = ask("alive", "fuse", *place)
+    assert asked.returncode == 1
+    assert "is `cliffscan up` running?" in asked.stderr
     start("fuse")
     assert ask("alive", "fuse", *place).returncode == 0
+    misspelt = ask("alive", "fuze", *place)
+    assert misspelt.returncode == 1
+    assert misspelt.stderr.endswith("there are fuse; did you mean fuse?\n")
 
 
 def test_echo_prints_what_is_said_and_what_is_wrong_with_it(client, start, place):
     start("fuse")
     status = ask("echo", "status/fuse", "--count", "1", *place)
     assert '"service": "fuse"' in status.stdout
-    assert ask("echo", "scan/nothing", "--count", "1", "--timeout", "0.2", *place).returncode == 1
+    nothing = ask("echo", "status/fuze", "--count", "1", "--timeout", "0.2", *place)
+    assert nothing.returncode == 1
+    key = f"{client.robot}/status/fuze"
+    told = f"cliffscan: nothing on {key} within 0.2 s; live keys are status/fuse; did you mean status/fuse?\n"
+    assert nothing.stderr == told
 
 
 def test_up_refuses_what_a_service_refuses(client, run):
@@ -92,6 +144,14 @@ def test_up_refuses_a_setting_of_no_service():
     assert refused.stderr.strip().count("\n") == 0
 
 
+@pytest.mark.parametrize("source", ["simulator", "replay"])
+def test_up_starts_no_real_base_beside_pictures_of_elsewhere(source):
+    refused = ask("up", "--base", "real", "--set", f"capture.source={source}")
+    assert refused.returncode == 2
+    assert refused.stderr.count("\n") == 1
+    assert "add --set capture.source=kinect" in refused.stderr
+
+
 def test_up_starts_nothing_where_another_router_listens(client):
     refused = ask("up", "--robot", client.robot, "--listen", client.endpoint)
     assert refused.returncode == 2
@@ -100,9 +160,11 @@ def test_up_starts_nothing_where_another_router_listens(client):
 
 def test_a_router_is_found_without_being_named(client, run):
     """By those who say nothing of the network, as the README's commands and its little programs."""
-    run(cliffscan("router", "--robot", client.robot, "--listen", free_endpoint()))
+    run(cliffscan("router", "--robot", client.robot, "--listen", free_endpoint(), "--name", "here"))
     for _ in range(20):  # each waits for a second
         if ask("alive", "router", "--robot", client.robot).returncode == 0:
+            assert ask("alive", "router-here", "--robot", client.robot).returncode == 0
+            assert ask("alive", "router-there", "--robot", client.robot).returncode == 1
             return
     pytest.fail("not found")
 

@@ -144,5 +144,5 @@ def test_a_service_that_dies_ends_everything_with_exit_1(long_run):
     stdout, stderr = process.communicate(timeout=30)
     assert process.returncode == 1
     assert f"demo: positive died; everything has been ended; the services' own words: {log}" in stderr
-    assert "positive died (signal 9)" in stdout
+    assert "positive ended (signal 9)" in stdout
     assert not any(each.is_running() for each in started)

@@ -1,14 +1,17 @@
 """What the driver is shown."""
 
+import re
+from typing import get_args
+
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cliffscan.dashboard import Aged, Line, View, lines, screen
+from cliffscan.dashboard import ORDINARY, Aged, Line, View, lines, screen
 from cliffscan.keys import (
     Motion,
 )
-from common.base_messages import BaseState, Odometry, SafetyState
+from common.base_messages import BaseState, Odometry, Rule, SafetyState
 
 UP, DOWN, RIGHT, LEFT = (b"\x1b[" + letter for letter in (b"A", b"B", b"C", b"D"))
 
@@ -92,8 +95,20 @@ def test_to_stand_without_a_command_is_no_alarm():
 
 def test_what_the_gate_does_is_shown():
     heard = Aged(safety(rule="obstacle", distance=0.62, allowed=(0.07, 0.0), note="drop ahead"), 0.0)
-    assert line("gate", safety=heard) == Line("gate      obstacle at 0.62 m: drop ahead   (0.0 s old)", alarm=True)
+    assert line("gate", safety=heard) == Line("gate      obstacle at 0.62 m   (0.0 s old)", alarm=True)
+    assert line("drop", safety=heard) == Line("  drop ahead", alarm=True)
     assert line("allowed", safety=heard) == Line("  allowed +0.07 m/s   +0.00 rad/s", alarm=True)
+
+
+@pytest.mark.parametrize("rule", [rule for rule in get_args(Rule) if rule not in ORDINARY])
+def test_a_rule_without_a_note_is_told_in_words(rule):
+    texts = [each.text for each in lines(view(safety=Aged(safety(rule=rule), 0.0)))]
+    gate = next(index for index, text in enumerate(texts) if text.startswith(f"gate      {rule}"))
+    assert re.fullmatch(r"  [a-z' ]{10,}[^+]*", texts[gate + 1]), texts[gate + 1]
+
+
+def test_an_obstacle_without_a_note_may_be_an_edge():
+    assert "an edge" in line("an obstacle", safety=Aged(safety(rule="obstacle", distance=0.0), 0.0)).text
 
 
 def test_a_latch_is_shown_with_its_key():

@@ -22,6 +22,7 @@ class Said:
 
     def put(self, message):
         assert message.stamp > 0
+        assert (message.source, message.priority) == ("drive", 10)  # a person at the keys outranks a program
         self.motions.append((message.linear, message.angular))
 
 

@@ -56,23 +56,66 @@ def test_a_child_that_works_is_left_alone(family, ready):
     pid = child.pid
     family.poll()
     assert child.pid == pid
-    assert not child.finished
 
 
-def test_a_child_whose_work_is_done_is_not_started_again():
-    child = Child("done", python("pass"))
+def test_a_finite_child_whose_work_is_done_is_not_started_again_and_that_is_said_once(caplog):
+    caplog.set_level("INFO")
+    child = Child("done", python("pass"), finite=True)
     pid = child.pid
     died(child, time.monotonic())
     child.poll(time.monotonic() + 100)
     assert child.pid == pid
-    assert child.finished
+    assert caplog.messages == ["done has done its work"]
+
+
+def test_a_finite_child_that_failed_is_started_again(caplog):
+    child, now = Child("failed", python("raise SystemExit(1)"), finite=True), time.monotonic()
+    first = child.pid
+    died(child, now)
+    child.poll(now + 1)
+    assert child.pid != first
+    ended(child.pid)
+
+
+def test_a_child_that_was_told_to_end_by_others_is_started_again_whatever_its_exit_code(family, ready, caplog):
+    code, wait = ready
+    family.start("works", python(WORK.format(ready=code)))
+    wait()
+    child = family.children["works"]
+    first = child.pid
+    os.kill(first, signal.SIGTERM)
+    ended(first)
+    family.poll()
+    assert caplog.messages == ["works ended (exit 0); starting it again in 0.5 s"]
+    child.poll(time.monotonic() + 1)
+    wait()
+    assert child.pid != first
+
+
+def test_a_child_takes_the_place_of_one_of_its_name(family, ready):
+    code, wait = ready
+    family.start("works", python(WORK.format(ready=code)))
+    wait()
+    first = family.children["works"].pid
+    family.start("works", python(WORK.format(ready=code)))
+    wait()
+    with pytest.raises(ProcessLookupError):
+        os.kill(first, 0)
+    assert family.children["works"].pid != first
+
+
+def test_a_child_is_out_of_reach_of_the_terminals_signals(family, ready):
+    code, wait = ready
+    family.start("works", python(WORK.format(ready=code)))
+    wait()
+    assert os.getsid(family.children["works"].pid) != os.getsid(0)
 
 
 def test_a_child_that_died_is_started_again_after_its_delay_and_that_is_said(caplog):
     child = Child("mortal", python("raise SystemExit(7)"))
     first, now = child.pid, time.monotonic()
     died(child, now)
-    assert caplog.messages == ["mortal died (exit 7); starting it again in 0.5 s"]
+    assert caplog.messages == ["mortal ended (exit 7); starting it again in 0.5 s"]
     child.poll(now + 0.49)
     assert child.pid == first
     child.poll(now + 0.5)
@@ -89,7 +132,7 @@ def test_a_child_that_was_killed_is_started_again(family, ready, caplog):
     os.kill(first, signal.SIGKILL)
     ended(first)
     family.poll()
-    assert "works died (signal 9)" in caplog.text
+    assert "works ended (signal 9)" in caplog.text
     child.poll(time.monotonic() + 1)
     wait()
     assert child.pid != first
@@ -128,7 +171,7 @@ def test_all_end_with_the_whole(ready):
         for name in ("first", "second", "third"):
             family.start(name, python(WORK.format(ready=code)))
             wait()
-    assert [child.finished for child in family.children.values()] == [True] * 3
+    assert [child._process.returncode for child in family.children.values()] == [0] * 3
 
 
 def test_those_that_were_started_last_are_asked_first_and_all_before_any_is_waited_for(monkeypatch):
@@ -139,6 +182,18 @@ def test_those_that_were_started_last_are_asked_first_and_all_before_any_is_wait
         for name in ("first", "second"):
             family.start(name, python("pass"))
     assert told == ["ask second", "ask first", "end second", "end first"]
+    for child in family.children.values():
+        ended(child.pid)
+
+
+def test_what_others_stand_on_ends_after_them(monkeypatch):
+    told = []
+    monkeypatch.setattr(Child, "ask_to_end", lambda child: told.append(f"ask {child.name}"))
+    monkeypatch.setattr(Child, "end", lambda child, _deadline: told.append(f"end {child.name}"))
+    with Supervisor() as family:
+        for name in ("router", "works", "simulation"):
+            family.start(name, python("pass"), ground=name != "works")
+    assert told == ["ask works", "end works", "ask simulation", "ask router", "end simulation", "end router"]
     for child in family.children.values():
         ended(child.pid)
 
@@ -160,7 +215,7 @@ def test_an_error_ends_all_children_too(ready):
     wait()
     with pytest.raises(KeyboardInterrupt), family:
         raise KeyboardInterrupt
-    assert family.children["works"].finished
+    assert family.children["works"]._process.returncode == 0
 
 
 def test_a_program_that_is_not_there_does_not_leave_the_others_behind(ready):
@@ -170,7 +225,7 @@ def test_a_program_that_is_not_there_does_not_leave_the_others_behind(ready):
     wait()
     with pytest.raises(FileNotFoundError), family:
         family.start("missing", ["/nowhere/at/all"])
-    assert family.children["works"].finished
+    assert family.children["works"]._process.returncode == 0
 
 
 def test_children_that_have_ended_are_no_trouble(family):

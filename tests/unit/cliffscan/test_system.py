@@ -8,12 +8,14 @@ from pathlib import Path
 
 import pytest
 
-from cliffscan.cli import build_parser
+from cliffscan.cli import build_parser, plan_of
 from cliffscan.preflight import check_free
 from cliffscan.system import Plan
+from cliffscan.welcome import welcome
 from common import options
 from common.config import SERVICES, ConfigError
 from simulator.__main__ import options as simulator_options
+from simulator.world_names import world_names
 
 
 def option(command, name):
@@ -50,12 +52,12 @@ def test_a_service_reaches_a_router_that_listens_anywhere(listen, endpoint):
 
 
 def test_a_service_gets_the_configuration_and_its_own_overrides():
-    overrides = ["capture.rate=5", "fuse.timeout=1", "capture.path=/a b", "negative.beams=2"]
+    overrides = ["capture.rate=5", "fuse.timeout=1", "capture.path=/a b", "negative.beams=2", "capture.source=replay"]
     Plan(overrides=overrides).check()
     plan = Plan(config=Path("/etc/robot.toml"), overrides=overrides)
     command = plan.service("capture")
     assert option(command, "--config") == ["/etc/robot.toml"]
-    assert option(command, "--set") == ["capture.rate=5", "capture.path=/a b"]
+    assert option(command, "--set") == ["capture.rate=5", "capture.path=/a b", "capture.source=replay"]
     assert option(plan.service("positive"), "--set") == []
 
 
@@ -96,8 +98,14 @@ def test_an_override_is_refused_at_once_or_by_its_service(override):
 @pytest.mark.parametrize(
     ("plan", "why"),
     [
-        (Plan(overrides=["negative.foo=1"]), "negative.foo: is not known here"),
-        (Plan(overrides=["capture.rate=fast"]), "capture.rate: Input should be a valid number"),
+        (Plan(overrides=["negative.foo=1"], world="office"), "negative.foo: is not known here$"),
+        (
+            Plan(overrides=["negative.flor_band=1"], world="office"),
+            r"negative.flor_band: is not known here; did you mean floor_band\?$",
+        ),
+        (Plan(overrides=["capture.rate=fast"], world="office"), "capture.rate: Input should be a valid number"),
+        (Plan(overrides=["negativ.beams=2"]), r"--set negativ.beams=2: .*; did you mean negative\?$"),
+        (Plan(world="ofice"), r"no world is named 'ofice'; .*; did you mean office\?$"),
         (Plan(config=Path("/nowhere/robot.toml")), "/nowhere/robot.toml: No such file or directory"),
         (Plan(world="atlantis"), "no world is named 'atlantis'"),
         (Plan(world="random:x"), "no world is named 'random:x'"),
@@ -118,7 +126,7 @@ def test_an_endpoint_that_is_taken_is_refused():
 
 
 def test_a_world_takes_the_place_of_base_and_camera():
-    plan = Plan(overrides=["capture.pitch=10", "capture.rate=15"], base="emulated", world="random:3", folder="/run/x")
+    plan = Plan(overrides=["capture.pitch=10", "capture.rate=15"], world="random:3", folder="/run/x")
     plan.check()
     processes = plan.base_processes()
     assert list(processes) == ["simulation", "kobuki"]
@@ -132,11 +140,85 @@ def test_a_world_takes_the_place_of_base_and_camera():
 
 def test_without_a_world_the_base_is_the_one_named():
     assert Plan().base_processes() == {}
-    assert list(Plan(base="emulated", folder="/run/x").base_processes()) == ["base", "kobuki"]
     assert option(Plan(base="real").base_processes()["kobuki"], "--set") == []
     assert option(Plan().capture(), "--set") == []
 
 
-def test_a_real_base_has_no_place_in_a_world():
-    with pytest.raises(ConfigError, match="real base"):
-        Plan(base="real", world="office").check()
+KINECT, REPLAY, SIMULATOR = (f"capture.source={name}" for name in ("kinect", "replay", "simulator"))
+
+
+@pytest.mark.parametrize(
+    ("plan", "why"),
+    [
+        (Plan(base="real", world="office"), "real base"),
+        (Plan(base="real"), "no camera is named: add --set capture.source=kinect$"),
+        (Plan(), "no camera is named: add --set capture.source=kinect, or replay"),
+        (Plan(base="real", overrides=[SIMULATOR]), "capture.source=simulator does not show where .*=kinect"),
+        (Plan(base="real", overrides=[REPLAY]), "capture.source=replay does not show where .*=kinect"),
+        (Plan(world="office", overrides=[KINECT]), "add --base real, or --base none$"),
+        (Plan(world="office", overrides=[REPLAY]), "add --base real, or --base none$"),
+        (Plan(world="office", overrides=["capture.world=landing"]), "--world NAME chooses it$"),
+        (Plan(world="office", overrides=["capture.simulation=/x"]), "add --base none$"),
+        (Plan(world="office", overrides=["kobuki.port=/dev/kobuki"]), "add --base real for this one$"),
+    ],
+)
+def test_a_base_and_a_camera_that_are_not_in_the_same_place_are_refused(plan, why):
+    with pytest.raises(ConfigError, match=why):
+        plan.check()
+
+
+@pytest.mark.parametrize(
+    "plan",
+    [
+        Plan(base="real", overrides=[KINECT]),
+        Plan(overrides=[REPLAY]),
+        Plan(overrides=[SIMULATOR]),
+        Plan(world="office", overrides=[SIMULATOR, "capture.world=office"]),
+    ],
+)
+def test_a_base_and_a_camera_that_belong_together_are_taken(plan):
+    plan.check()
+
+
+def test_a_camera_may_be_named_in_the_file(tmp_path):
+    file = tmp_path / "robot.toml"
+    file.write_text("[capture]\nsource = 'kinect'\n")
+    Plan(base="real", config=file).check()
+    with pytest.raises(ConfigError, match="add --base real"):
+        Plan(world="office", config=file).check()
+
+
+def test_without_options_the_robot_is_simulated():
+    plan = plan_of(build_parser().parse_args(["up"]))
+    assert (plan.world, plan.base) == ("paper_room", "none")
+    assert plan.services == list(SERVICES)
+
+
+def test_a_world_is_for_a_simulated_robot():
+    with pytest.raises(ConfigError, match="leave out --base real"):
+        plan_of(build_parser().parse_args(["up", "--base", "real", "--world", "office"]))
+
+
+@pytest.mark.parametrize("words", [[], ["--base", "real"], ["--base", "none"], ["--robot", "r2"]])
+def test_the_first_lines_fit_a_terminal_and_say_what_to_type_next(words):
+    shown = welcome(plan_of(build_parser().parse_args(["up", "--set", "capture.source=simulator", *words])))
+    assert "cliffscan status" in shown
+    assert max(map(len, shown.splitlines())) <= 80
+    assert ("cliffscan drive" in shown) == ("none" not in words)
+    assert ("world paper_room" in shown) == ("--base" not in words)
+    assert ("--base real --set capture.source=kinect" in shown) == ("--base" not in words)
+    assert ("status --robot r2" in shown) == ("r2" in words)
+
+
+COMMANDS = ["", "up", "router", "status", "list", "alive", "calibrate", "drive", "echo"]
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_help_fits_80_columns(command, capsys, monkeypatch):
+    monkeypatch.setenv("COLUMNS", "80")
+    with pytest.raises(SystemExit):
+        build_parser().parse_args([*command.split(), "--help"])
+    told = capsys.readouterr().out
+    assert max(map(len, told.splitlines())) <= 80
+    if command == "up":
+        assert all(world in told for world in world_names())

@@ -7,7 +7,8 @@ import pytest
 from common.geometry import Camera, FloorPlane, Intrinsics
 from simulator.faces import box_faces, faces_of, pack
 from simulator.rasteriser import depth_image
-from simulator.world import SCENE, Pose, World, world_names
+from simulator.world import SCENE, Pose, World
+from simulator.world_names import world_names
 
 ODD_ONES = 0.002  # share of the pixels that may lie on different sides of a silhouette
 TOLERANCE = 1e-3  # [m]

@@ -10,7 +10,8 @@ from hypothesis import strategies as st
 
 from simulator.footprints import Footprint
 from simulator.truth import BODY, floor_edge, obstacle, outlines
-from simulator.world import Pose, World, world_names
+from simulator.world import Pose, World
+from simulator.world_names import world_names
 
 FORWARD = np.radians(np.linspace(-29.0, 29.0, 117))
 AROUND = np.radians(np.arange(-180.0, 180.0, 7.3))

@@ -7,7 +7,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from common.geometry import Camera, FloorPlane, Intrinsics, scan_axes
-from simulator.world import Pose, World, world_names
+from simulator.world import Pose, World
+from simulator.world_names import world_names
 
 KNOWN = ["empty_room", "landing", "office", "open_floor", "paper_room", "paper_room_open", "stairs_corridor"]
 OPEN_FLOOR = World("open_floor")

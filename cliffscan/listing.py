@@ -1,0 +1,55 @@
+"""`cliffscan list`: the live keys of a robot, or the robots that are there."""
+
+from __future__ import annotations
+
+import sys
+
+from cliffscan.live import NEWS, live_keys
+from cliffscan.plain import plain
+from common.bus import Bus
+from common.service import StopSignal
+from common.topics import alive, message_at
+
+
+def list_keys(bus: Bus, where: str, stop: StopSignal) -> int:
+    """Print every live key of the bus's robot with its rate and message; 1 where there is none."""
+    keys = live_keys(bus, stop)
+    robots = bus.robots()
+    tokens = sorted(robots.pop(bus.robot, set()))
+    rows = [(alive(token), "", "liveliness token") for token in tokens]
+    rows += [(key.path, f"{key.rate:.1f} Hz", _message(key.path)) for key in keys]
+    if not rows:
+        print(nothing_of(bus.robot, set(robots), where), file=sys.stderr)
+        return 1
+    width = max(len(plain(path)) for path, _, _ in rows)
+    for path, rate, message in rows:
+        print(f"{bus.robot}/{plain(path):{width}}  {rate:>9}  {message}")
+    if robots:
+        print(f"other robots: {_names(set(robots))}")
+    return 0
+
+
+def list_robots(bus: Bus, where: str, stop: StopSignal) -> int:
+    """Print every robot on the network with its services; 1 where there is none."""
+    stop.wait(NEWS)
+    robots = bus.robots()
+    for robot, services in sorted(robots.items()):
+        print(f"{plain(robot)}: {', '.join(map(plain, sorted(services)))}")
+    if not robots:
+        print(f"cliffscan: no robot heard, {where}; is `cliffscan up` running?", file=sys.stderr)
+    return 0 if robots else 1
+
+
+def nothing_of(robot: str, others: set[str], where: str) -> str:
+    """A line for who looks for a robot that is not there, and what to do."""
+    heard = f"; other robots heard: {_names(others)} (--robot NAME)" if others else ""
+    return f"cliffscan: nothing of robot {robot} heard, {where}{heard}; is `cliffscan up` running?"
+
+
+def _names(robots: set[str]) -> str:
+    return ", ".join(plain(robot) for robot in sorted(robots))
+
+
+def _message(path: str) -> str:
+    kind = message_at(path)
+    return kind.__name__ if kind else "a message that the contract does not name"

@@ -1,0 +1,37 @@
+"""What `cliffscan up` tells first: what it starts, and what to type next."""
+
+from __future__ import annotations
+
+from cliffscan.system import Plan
+
+
+def welcome(plan: Plan) -> str:
+    """Some lines for a person at an 80-column terminal."""
+    options = _options(plan)
+    lines = [
+        f"cliffscan up: {_started(plan)}",
+        "In another terminal:",
+        f"  cliffscan status{options}    which services work, how fast, how late",
+        f"  cliffscan list{options}      all live keys",
+    ]
+    if "kobuki" in plan.services:
+        lines.append(f"  cliffscan drive{options}     with the keyboard")
+    if plan.world:
+        lines.append("Another world: cliffscan up --world NAME (cliffscan up --help has the names)")
+        lines.append("A real robot:  cliffscan up --base real --set capture.source=kinect")
+    lines.append("Ctrl-C ends everything.")
+    return "\n".join(lines)
+
+
+def _started(plan: Plan) -> str:
+    if plan.world:
+        return f"a simulated TurtleBot 2 in the world {plan.world}"
+    camera = f"the camera {plan.camera().source}"
+    return f"a real base and {camera}" if plan.base == "real" else f"{camera}, without a base"
+
+
+def _options(plan: Plan) -> str:
+    """What the other commands need to find this robot."""
+    robot = f" --robot {plan.robot}" if plan.robot != Plan.robot else ""
+    where = f" --connect {plan.endpoint}" if plan.endpoint != Plan().endpoint else ""
+    return robot + where
