@@ -21,7 +21,8 @@ from tests.hostile_readers import Readers
 from tests.hostile_services import Trial
 from tests.service.conftest import Client
 
-WARM = 0.2  # part of the cases after which memory has to stay flat
+COMPILED = 500  # cases after which every kernel is compiled
+SAMPLES = 10  # of the memory
 MB = 1e6
 
 
@@ -31,18 +32,19 @@ def in_process(seed: int, count: int) -> None:
     taken: Counter[str] = Counter()
     all_of: Counter[str] = Counter()
     longest: Counter[str] = Counter()
-    warm = 0
+    memory = []
     for number, case in enumerate(cases(seed, count)):
         name, began = case.kind.__name__, time.perf_counter()
         taken[name] += readers.take(case)
         all_of[name] += 1
-        if number > WARM * count:
-            warm = warm or process.memory_info().rss
+        if number > COMPILED:
             longest[name] = max(longest[name], time.perf_counter() - began)
+        if number % (count // SAMPLES or 1) == 0:
+            memory.append(process.memory_info().rss / MB)
     print("| message | sent | taken | longest [ms] |\n|---|---:|---:|---:|")
     for name, sent in all_of.most_common():
         print(f"| {name} | {sent} | {taken[name]} | {1e3 * longest[name]:.1f} |")
-    print(f"memory grew by {(process.memory_info().rss - warm) / MB:.1f} MB after the first {WARM:.0%}")
+    print(f"memory [MB]: {', '.join(f'{each:.0f}' for each in memory)}")
 
 
 def to_services(seed: int, count: int) -> None:
@@ -64,7 +66,8 @@ def to_services(seed: int, count: int) -> None:
                 process.terminate()
                 process.wait()
             client.session.close()
-    print(f"{count} messages: {told}; died: {died or 'none'}")
+    print(f"{count} messages: a good frame or a request was answered within {1e3 * told.longest:.0f} ms,")
+    print(f"memory grew by {told.growth / MB:.1f} MB at most, died: {died or 'none'}")
 
 
 def main() -> None:

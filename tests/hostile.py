@@ -36,6 +36,7 @@ SIZES = [(32, 24), (32, 24), (48, 8), (2, 2), (2, 64), (64, 2), (3, 5), (320, 24
 RANGES = [1.0, 2.5, 6.0, math.inf, math.nan, 0.0, 1e-45, 3.4e38]
 CLEARS = [0.0, 1.0, 6.0, 1e-45, 3.4e38]
 EVIDENCE = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, -7.0, 1e30]
+LARGEST = (2048, 1024)  # [px] that are taken
 INCREMENTS = [*[0.01] * 12, 1e-3, 1e-6, 1e-9, 5e-324, 6.28, 1e300]
 STARTS = [*[-0.5] * 12, 0.0, 3.0, -math.pi, 6.2, 12.0, 1e17, 1e300]
 
@@ -83,7 +84,11 @@ def _image(dice: random.Random) -> Fields:
 
 def _air(dice: random.Random) -> Fields:
     """An image of millions of pixels in a few hundred bytes."""
-    width, height = dice.choice([(2, 2**20), (2**20, 2), (2048, 1024), (4096, 512), (4096, 4096), (2**16, 2**16)])
+    return air(dice, *dice.choice([(2, 2**20), (2**20, 2), LARGEST, (4096, 512), (4096, 4096), (2**16, 2**16)]))
+
+
+def air(dice: random.Random, width: int, height: int) -> Fields:
+    """An image of this size in a few hundred bytes, with nothing in it."""
     claimed = zstandard.ZstdCompressor().compress(bytes(2 * min(width * height, 2**22)))
     image = {"width": width, "height": height, "encoding": LEVELS, "data": b"\1\0\0\0" + claimed, "range": [0.5, 4.5]}
     focal = [float(width), float(height), width / 2, height / 2]
