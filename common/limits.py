@@ -24,7 +24,7 @@ PAYLOAD = {  # [bytes] of the messages that may be larger
 }
 LARGEST = max(PAYLOAD.values())
 
-NEAREST_REACH, FARTHEST_REACH = 0.01, 1000.0  # [m] of a depth camera
+NEAREST_REACH, FARTHEST_REACH = 0.001, 1000.0  # [m] of a depth camera
 DEEPEST = 65.535  # [m] that 16 bits of millimetres can tell
 LOWEST_CAMERA, HIGHEST_CAMERA = 0.001, 20.0  # [m] above the floor
 FINEST_INCREMENT = 1e-6  # [rad] between two beams

@@ -200,7 +200,7 @@ def test_no_setting_makes_scans_that_are_refused(setting):
 
 
 def test_what_a_service_makes_of_the_oddest_camera_is_no_malformed_scan():
-    view = build.camera(width=2, height=2, focal=200.0, mount=(0.001, math.radians(87), 0.0), reach=(0.0, 0.01))
-    image = DepthImage.pack(1, STAMP, "f", np.full((2, 2), 10, np.uint16), view, RAW)
+    view = build.camera(width=2, height=2, focal=200.0, mount=(0.001, math.radians(87), 0.0), reach=(0.0, 0.001))
+    image = DepthImage.pack(1, STAMP, "f", np.full((2, 2), 1, np.uint16), view, RAW)
     scan = laser_scan(image, Beams.of(np.full(640, np.inf, np.float32), 1.0), ScanConfig())
     assert LaserScan.decode(scan.encode()).range_max == scan.range_max

@@ -1,0 +1,96 @@
+"""All that reads messages, in one process: what it does with one is harmless, or it is refused."""
+
+from __future__ import annotations
+
+import math
+
+from common.base_messages import Velocity
+from common.combine import combine
+from common.message import Message, MessageError
+from common.messages import DepthImage, LaserScan
+from common.scans import laser_scan
+from services.fuse.config import ExtraInput
+from services.fuse.fusion import GridMismatch, fuse
+from services.fuse.pairing import Pair
+from services.kobuki import commands
+from services.kobuki.config import KobukiConfig
+from services.kobuki.ground import Pose
+from services.kobuki.packets import decode
+from services.kobuki.safety import Safety, Scan, Twist
+from services.negative.config import NegativeConfig
+from services.negative.methods import RUN, beams_by_method
+from services.positive.__main__ import obstacles
+from services.positive.config import PositiveConfig
+from tests import build
+from tests.hostile import Case
+from tests.kobuki_stream import core
+
+NEGATIVE, POSITIVE = NegativeConfig(), PositiveConfig()
+HERE = Pose(0.0, 0.0, 0.0)
+TICK = 0.02  # [s]
+HONEST = build.scan([2.0] * 100)
+LONGEST_REFUSAL = 1500  # characters
+
+
+class Readers:
+    """Takes messages one after another; what was wrong with one must not change what becomes of the next."""
+
+    def __init__(self) -> None:
+        self._gate, self._now = Safety(KobukiConfig(), HERE), 100.0
+        self._core = decode(core()).core
+
+    def take(self, case: Case) -> bool:
+        """Whether it was taken. Raises whatever goes wrong, but for a message that was refused."""
+        try:
+            message = case.kind.decode(case.payload)
+        except MessageError as error:
+            _check_refusal(str(error))
+            return False
+        assert case.kind.decode(message.encode()).encode() == message.encode()
+        self._work_on(message)
+        return True
+
+    def _work_on(self, message: Message) -> None:
+        if isinstance(message, DepthImage):
+            _look_at(message)
+        elif isinstance(message, LaserScan):
+            _fuse(message)
+            self._gate.see(Scan.of(message), HERE, self._now, self._now)
+            self._drive(Twist(0.3, 0.1))
+        elif isinstance(message, Velocity):
+            self._drive(Twist(message.linear, message.angular))
+
+    def _drive(self, asked: Twist) -> None:
+        """What the gate lets through is something that a base may be told."""
+        self._now += TICK
+        self._gate.sense(self._core, HERE)
+        self._gate.command(asked, self._now)
+        allowed = self._gate.decide(self._now).allowed
+        assert all(map(math.isfinite, allowed))
+        assert abs(allowed.linear) <= 0.7001
+        commands.base_control(*allowed)
+
+
+def _check_refusal(why: str) -> None:
+    """It is one short line."""
+    assert 0 < len(why) < LONGEST_REFUSAL
+    assert len(why.splitlines()) == 1
+
+
+def _look_at(image: DepthImage) -> None:
+    """The scans that negative and positive make of an image are scans that fuse takes."""
+    found = beams_by_method(image, NEGATIVE, RUN)
+    negative = laser_scan(image, combine([found[method] for method in NEGATIVE.methods]), NEGATIVE)
+    positive = laser_scan(image, obstacles(image, POSITIVE), POSITIVE)
+    for scan in (negative, positive, fuse(Pair(positive, negative), {})):
+        LaserScan.decode(scan.encode())
+
+
+def _fuse(scan: LaserScan) -> None:
+    """On either side, and as an extra input."""
+    extra = {"lidar": (ExtraInput(key="scan/lidar", x=0.1, yaw=10.0), scan)}
+    for pair, extras in ((Pair(scan, scan), {}), (Pair(scan, HONEST), {}), (Pair(HONEST, HONEST), extra)):
+        try:
+            LaserScan.decode(fuse(pair, extras).encode())
+        except GridMismatch:
+            assert scan is not HONEST
