@@ -131,6 +131,6 @@ class MapSystem:
         floor = {"floor": self._setting.floor}
 
         def again(_: str, payload: bytes) -> None:
-            publisher.put(DepthImage.model_construct(**(unpack(payload) | floor)))
+            publisher.put(DepthImage.model_construct(**(unpack(payload, DepthImage.most_bytes()) | floor)))
 
         self.bus.subscribe(DEPTH.path, again)

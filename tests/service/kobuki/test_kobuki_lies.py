@@ -129,9 +129,11 @@ def test_the_base_says_what_it_is(base):
 
 
 def test_what_holds_the_robot_back_is_named(base):
-    told = base.until("obstacle", linear=0.3, ranges=(0.8,))
-    told = base.safety.until(lambda each: each["rule"] == "obstacle" and "from the hull" in each["note"])
-    assert "obstacle ahead" in told["note"]
+    def act():
+        base.see(0.8)
+        base.drive(0.3)
+
+    until(base, "obstacle", act, lambda told: "obstacle ahead" in told["note"] and "from the hull" in told["note"])
 
 
 @pytest.fixture
