@@ -55,7 +55,7 @@ class Readers:
             _look_at(message)
         elif isinstance(message, LaserScan):
             _fuse(message)
-            self._gate.see(Scan.of(message), HERE, self._now, self._now)
+            self._gate.see(Scan.of(message, self._gate.view), HERE, self._now, self._now)
             self._drive(Twist(0.3, 0.1))
         elif isinstance(message, Velocity):
             self._drive(Twist(message.linear, message.angular))
