@@ -128,10 +128,10 @@ class Bus:
         what is no path.
         """
         prefix = len(self.robot) + 1
-        refuse = refused or self._refused
+        refuse, ended = refused or self._refused, threading.Event()
 
         def deliver(sample: zenoh.Sample) -> None:
-            if sample.kind != zenoh.SampleKind.PUT:
+            if sample.kind != zenoh.SampleKind.PUT or ended.is_set():
                 return
             at = str(sample.key_expr)[prefix:]
             try:
@@ -146,7 +146,7 @@ class Bus:
         except zenoh.ZError as error:
             raise BusError(f"{path!r} is no key: {_first_line(error)}") from error
         read(source, deliver, Pace(rate, room) if rate else None)
-        return source.undeclare
+        return ended.set  # its thread waits within the declaration, which therefore goes with the session
 
     def answer(
         self, path: str, reply: Callable[[dict[str, Any]], dict[str, Any]], but_at: Collection[str] = ()
