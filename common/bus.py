@@ -17,7 +17,7 @@ from common import zenoh_config
 from common.limits import SMALL
 from common.message import Message, MessageError, check_size, unpack
 from common.pace import Pace
-from common.reader import once, read
+from common.reader import Readers
 from common.tally import Tally
 from common.topics import Qos, Topic, alive, most_bytes
 
@@ -89,6 +89,7 @@ class Bus:
         """Raises NotConnected where a client finds no router, BusError where the settings make no sense."""
         self.robot = robot
         self._session = _open(network)
+        self._readers = Readers()
         self._tally = Tally()
         self._token: zenoh.LivelinessToken | None = None
 
@@ -99,6 +100,7 @@ class Bus:
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         self._session.close()  # type: ignore[no-untyped-call]
+        self._readers.join()
 
     def publisher(self, topic: Topic[M]) -> Publisher[M]:
         """Declare that messages of `topic` will be said."""
@@ -145,7 +147,7 @@ class Bus:
             source = self._session.declare_subscriber(f"{self.robot}/{path}", zenoh.handlers.RingChannel(room))
         except zenoh.ZError as error:
             raise BusError(f"{path!r} is no key: {_first_line(error)}") from error
-        read(source, deliver, Pace(rate, room) if rate else None)
+        self._readers.read(source, deliver, Pace(rate, room) if rate else None)
         return ended.set  # its thread waits within the declaration, which therefore goes with the session
 
     def answer(
@@ -219,7 +221,7 @@ class Bus:
                     self._refused(path, error)
 
         self.watch_alive(lambda _service, here: ask() if here else None)
-        once(key, ask)
+        self._readers.once(key, ask)
 
     def announce(self, service: str) -> None:
         """Tell everyone that `service` works, until withdraw() or the session's end."""
@@ -256,7 +258,7 @@ class Bus:
 
         key = f"{self.robot}/{alive('*')}"
         ring: zenoh.handlers.RingChannel[zenoh.Sample] = zenoh.handlers.RingChannel(ROOM)
-        read(self._session.liveliness().declare_subscriber(key, ring, history=True), deliver)
+        self._readers.read(self._session.liveliness().declare_subscriber(key, ring, history=True), deliver)
 
     def _queries(self, key: str, deliver: Callable[[zenoh.Query], None]) -> None:
         """Call `deliver` for the requests at a key; each ends for its asker when it returns."""
@@ -266,7 +268,7 @@ class Bus:
                 deliver(query)
 
         source = self._session.declare_queryable(key, zenoh.handlers.RingChannel(REQUESTS))
-        read(source, take, Pace(RATE, REQUESTS))
+        self._readers.read(source, take, Pace(RATE, REQUESTS))
 
     def _refused(self, path: str, why: MessageError) -> None:
         self._tally.complain("malformed", f"{path}: {why}")

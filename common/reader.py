@@ -18,17 +18,38 @@ import zenoh
 
 from common.pace import Pace
 
+ENDING = 0.5  # [s]
+
 log = logging.getLogger(__name__)
 
 
-def read(source: Any, handle: Callable[[Any], object], pace: Pace | None = None) -> None:  # noqa: ANN401
-    """Call `handle` for all that comes from `source`, a declaration with a ring, until its session is closed."""
-    _start(str(source.key_expr), lambda: _run(source, handle, pace))
+class Readers:
+    """The threads of one session.
 
+    They must have ended before the interpreter does: one that still waits in native code then aborts the process.
+    """
 
-def once(name: str, work: Callable[[], object]) -> None:
-    """Do a piece of work that waits for others, beside all that is read."""
-    _start(name, lambda: guarded(name, work))
+    def __init__(self) -> None:
+        self._threads: list[threading.Thread] = []
+
+    def read(self, source: Any, handle: Callable[[Any], object], pace: Pace | None = None) -> None:  # noqa: ANN401
+        """Call `handle` for all that comes from `source`, a declaration with a ring, until its session is closed."""
+        self._start(str(source.key_expr), lambda: _run(source, handle, pace))
+
+    def once(self, name: str, work: Callable[[], object]) -> None:
+        """Do a piece of work that waits for others, beside all that is read."""
+        self._start(name, lambda: guarded(name, work))
+
+    def join(self) -> None:
+        """Wait until all threads have ended, once the session is closed, for no longer than ENDING."""
+        deadline = time.monotonic() + ENDING
+        for thread in self._threads:
+            if thread is not threading.current_thread():
+                thread.join(max(deadline - time.monotonic(), 0.0))
+
+    def _start(self, name: str, run: Callable[[], None]) -> None:
+        self._threads.append(threading.Thread(target=run, name=f"bus {name}", daemon=True))
+        self._threads[-1].start()
 
 
 def guarded(name: str, work: Callable[[], object]) -> None:
@@ -52,7 +73,3 @@ def _run(source: Any, handle: Callable[[Any], object], pace: Pace | None) -> Non
         if pace:
             pace.spend(time.monotonic())
         guarded(str(source.key_expr), partial(handle, item))
-
-
-def _start(name: str, run: Callable[[], None]) -> None:
-    threading.Thread(target=run, name=f"bus {name}", daemon=True).start()

@@ -155,6 +155,7 @@ def test_threads_end_with_the_session(client):
 def test_what_is_kept_comes_to_those_who_come_later(client, bus):
     publish = bus.latch(VELOCITY)
     publish(VELOCITY.message(stamp=1, linear=0.5, angular=0.0))
+    wait_answered(client, "base/cmd_vel")
     arrived = []
     with Bus(Network("client", [client.endpoint]), client.robot) as later:
         later.receive_latched("base/cmd_vel", lambda _, payload: arrived.append(msgpack.unpackb(payload)["linear"]))
@@ -185,3 +186,15 @@ def test_a_router_is_found_by_those_who_look_on_this_machine(client, start, run)
         arrived = threading.Event()
         bus.subscribe("scan/fused", lambda *_: arrived.set())
         wait_for(lambda: router.put(f"{client.robot}/scan/fused", b"") or arrived.is_set())
+
+
+def test_no_thread_outlives_its_session(client):
+    """One that still waited in native code would abort the process at its end."""
+    before = set(threading.enumerate())
+    with Bus(Network("client", [client.endpoint]), client.robot) as bus:
+        bus.subscribe("base/cmd_vel", lambda _path, _payload: None)
+        bus.receive_latched("description", lambda _path, _payload: None)
+        bus.answer("base/command/stop", lambda _: {})
+        started = set(threading.enumerate()) - before
+        assert {thread.name.split()[0] for thread in started} == {"bus"}
+    assert not [thread for thread in started if thread.is_alive()]
