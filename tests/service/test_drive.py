@@ -18,9 +18,12 @@ from tests.service.conftest import DEADLINE
 
 UP, LEFT = b"\x1b[A", b"\x1b[D"
 CONTROL_C = b"\x03"
-# A login: the terminal controls the session that it is opened in, and hangs it up.
+# A login: the terminal controls the session that it is opened in, and hangs it up; no signal is ignored, as it is below
+# a shell's background job.
 LOG_IN = (
-    "import os, sys; os.setsid(); terminal = os.open(sys.argv[1], os.O_RDWR); os.dup2(terminal, 0);"
+    "import os, signal, sys; signal.signal(signal.SIGQUIT, signal.SIG_DFL);"
+    " signal.signal(signal.SIGHUP, signal.SIG_DFL); os.setsid();"
+    " terminal = os.open(sys.argv[1], os.O_RDWR); os.dup2(terminal, 0);"
     " os.dup2(terminal, 1); os.execv(sys.executable, [sys.executable, '-m', 'cliffscan', *sys.argv[2:]])"
 )
 ODOMETRY = {
