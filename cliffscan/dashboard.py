@@ -169,7 +169,7 @@ def _gate(heard: Aged[SafetyState] | None) -> list[Line]:
 
 
 def _rule(state: SafetyState) -> Line:
-    distance = f" at {state.distance:.2f} m" if state.distance >= 0 else ""
+    distance = f", {state.distance:.2f} m to go" if state.distance >= 0 else ""
     latched = ", holds until c is pressed" if state.latched else ""
     return Line(f"{state.rule}{distance}{latched}", alarm=state.rule not in ORDINARY)
 

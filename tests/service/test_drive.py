@@ -164,7 +164,7 @@ def test_what_the_base_says_is_shown(client, typist, driving):
         client.put("base/safety", SAFETY)
 
     typist.wait_seen(b"x +1.250 m   y -0.500 m", base)
-    typist.wait_seen(b"obstacle at 0.62 m", base)
+    typist.wait_seen(b"obstacle, 0.62 m to go", base)
     typist.wait_seen(b"STALE")  # now that the base is silent
 
 

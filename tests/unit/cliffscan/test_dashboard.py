@@ -95,7 +95,7 @@ def test_to_stand_without_a_command_is_no_alarm():
 
 def test_what_the_gate_does_is_shown():
     heard = Aged(safety(rule="obstacle", distance=0.62, allowed=(0.07, 0.0), note="drop ahead"), 0.0)
-    assert line("gate", safety=heard) == Line("gate      obstacle at 0.62 m   (0.0 s old)", alarm=True)
+    assert line("gate", safety=heard) == Line("gate      obstacle, 0.62 m to go   (0.0 s old)", alarm=True)
     assert line("drop", safety=heard) == Line("  drop ahead", alarm=True)
     assert line("allowed", safety=heard) == Line("  allowed +0.07 m/s   +0.00 rad/s", alarm=True)
 
