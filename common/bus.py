@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 import threading
+import time
 from collections.abc import Callable, Collection
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -27,6 +28,7 @@ log = logging.getLogger(__name__)
 ROOM = 256  # samples that may wait for a program that must not miss any
 REQUESTS = 8  # that may wait at a path
 RATE = 200.0  # [Hz] at which the requests at a path are answered
+AGAIN = 0.05  # [s] after which a question that found nothing is put again
 LATCH_TIMEOUT = 1.0  # [s] for what is kept to come
 
 PRIORITY = {
@@ -241,13 +243,20 @@ class Bus:
         return {str(reply.ok.key_expr).rpartition("/")[2] for reply in replies if reply.ok}
 
     def robots(self, timeout: float = 1.0) -> dict[str, set[str]]:
-        """The services that work now of every robot on the network, by the robot's name."""
+        """The services that work now of every robot on the network, by the robot's name.
+
+        A busy router may answer that it knows of none before it does; so none is believed after `timeout` [s] only.
+        """
         found: dict[str, set[str]] = {}
         middle, end = f"/{alive('')}", alive("*")
-        for reply in self._session.liveliness().get(f"**/{end}", timeout=timeout):
-            if reply.ok:
-                robot, _, service = str(reply.ok.key_expr).rpartition(middle)
-                found.setdefault(robot, set()).add(service)
+        deadline = time.monotonic() + timeout
+        while not found and (left := deadline - time.monotonic()) > 0.0:
+            for reply in self._session.liveliness().get(f"**/{end}", timeout=left):
+                if reply.ok:
+                    robot, _, service = str(reply.ok.key_expr).rpartition(middle)
+                    found.setdefault(robot, set()).add(service)
+            if not found:
+                time.sleep(AGAIN)
         return found
 
     def watch_alive(self, changed: Callable[[str, bool], None]) -> None:
