@@ -10,13 +10,13 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
 
+from cliffscan.common.contract.base_messages import Velocity
+from cliffscan.common.contract.topics import VELOCITY, command
+from cliffscan.common.runtime.config import SERVICES
+from cliffscan.common.runtime.service import StopSignal
+from cliffscan.simulator.kobuki.client import Remote
 from cliffscan.system import Plan, System
-from common.base_messages import Velocity
-from common.config import SERVICES
-from common.service import StopSignal
-from common.topics import VELOCITY, command
 from experiments.collect import free_port
-from simulator.kobuki.client import Remote
 
 STEP = 0.02  # [s] between two looks at the processes
 STARTING = 60.0  # [s]

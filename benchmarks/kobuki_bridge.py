@@ -26,13 +26,13 @@ import psutil
 from rich.console import Console
 from rich.table import Table
 
-from common import topics
-from common.base_messages import Velocity
-from common.bus import Bus, Network
-from common.messages import LaserScan
-from simulator.kobuki.base import Base
-from simulator.kobuki.cable import Cable
-from simulator.kobuki.commands import BaseControl
+from cliffscan.common.contract import topics
+from cliffscan.common.contract.base_messages import Velocity
+from cliffscan.common.contract.messages import LaserScan
+from cliffscan.common.runtime.bus import Bus, Network
+from cliffscan.simulator.kobuki.base import Base
+from cliffscan.simulator.kobuki.cable import Cable
+from cliffscan.simulator.kobuki.commands import BaseControl
 
 TICK = 0.02  # [s] of the base
 FASTEST, STEP = 0.65, 0.001  # [m/s]

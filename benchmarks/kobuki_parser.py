@@ -13,8 +13,8 @@ from collections.abc import Callable, Iterable
 from time import perf_counter
 from typing import NamedTuple
 
-from services.kobuki.frames import FrameParser, frame
-from services.kobuki.packets import decode
+from cliffscan.services.kobuki.protocol.frames import FrameParser, frame
+from cliffscan.services.kobuki.protocol.packets import decode
 from tests.kobuki_stream import NaiveParser, usual_payload
 
 Feed = Callable[[bytes], list[bytes]]

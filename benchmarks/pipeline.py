@@ -18,11 +18,11 @@ import psutil
 from rich.console import Console
 from rich.table import Table
 
+from cliffscan.common.contract import topics
+from cliffscan.common.contract.messages import LaserScan
+from cliffscan.common.runtime.latest_queue import Inbox
+from cliffscan.common.runtime.service import PATIENCE, StopSignal
 from cliffscan.system import Plan, System
-from common import topics
-from common.inbox import Inbox
-from common.messages import LaserScan
-from common.service import PATIENCE, StopSignal
 
 WARM_UP = 60  # frames left out, while caches fill and sessions settle
 SAMPLES = 10  # looks at each process's memory

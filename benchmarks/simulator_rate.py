@@ -10,13 +10,13 @@ from time import perf_counter
 import mujoco
 import numpy as np
 
-from common.geometry import Camera
-from simulator.camera import SimulatedKinect
-from simulator.faces import faces_of
-from simulator.kinect import measure, returns
-from simulator.rasteriser import depth_image
-from simulator.world import SCENE, Pose, World
-from simulator.world_names import world_names
+from cliffscan.common.contract.camera import Camera
+from cliffscan.simulator.camera import SimulatedKinect
+from cliffscan.simulator.faces import faces_of
+from cliffscan.simulator.kinect import measure, returns
+from cliffscan.simulator.rasteriser import depth_image
+from cliffscan.simulator.world import SCENE, Pose, World
+from cliffscan.simulator.world_names import world_names
 
 
 def milliseconds(work: Callable[[], object], times: int) -> float:

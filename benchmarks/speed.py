@@ -21,19 +21,19 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
-from common.combine import combine
-from common.depth_codec import RAW
-from common.geometry import FloorPlane, scan_axes
-from common.grid import Grid
-from common.messages import DepthImage
-from common.scans import points
-from services.capture.floor_tracker import FloorTracker
-from services.negative.config import NegativeConfig
-from services.negative.methods import RUN, beams_by_method
-from services.positive.__main__ import obstacles
-from services.positive.config import PositiveConfig
-from simulator.camera import SimulatedKinect
-from simulator.kinect import KinectModel, kinect_camera
+from cliffscan.common.contract.beam_grid import Grid
+from cliffscan.common.contract.camera import FloorPlane, scan_axes
+from cliffscan.common.contract.depth_codec import RAW
+from cliffscan.common.contract.messages import DepthImage
+from cliffscan.common.perception.combine import combine
+from cliffscan.common.perception.scans import points
+from cliffscan.services.capture.floor.tracker import FloorTracker
+from cliffscan.services.negative.config import NegativeConfig
+from cliffscan.services.negative.methods import RUN, beams_by_method
+from cliffscan.services.positive.__main__ import obstacles
+from cliffscan.services.positive.config import PositiveConfig
+from cliffscan.simulator.camera import SimulatedKinect
+from cliffscan.simulator.kinect import KinectModel, kinect_camera
 
 WORLDS = {"paper_room": 0.0, "stairs_corridor": 0.0, "empty_room": 0.0, "paper_room, 20° down": 20.0}
 PAPER = NegativeConfig(methods=("farthest_point", "virtual_floor"))
@@ -41,8 +41,8 @@ OURS = NegativeConfig(methods=("near_edge",))
 ALL = NegativeConfig(methods=("farthest_point", "virtual_floor", "near_edge"))
 POSITIVE = PositiveConfig()
 COLD = """
-from services.negative.__main__ import beams_by_method, BLANK
-from services.negative.config import NegativeConfig
+from cliffscan.services.negative.__main__ import beams_by_method, BLANK
+from cliffscan.services.negative.config import NegativeConfig
 beams_by_method(BLANK, NegativeConfig(), NegativeConfig().methods)
 """
 

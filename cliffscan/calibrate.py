@@ -11,15 +11,15 @@ from typing import NamedTuple, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from cliffscan.common.contract.camera import FloorPlane
+from cliffscan.common.contract.message import Message, MessageError
+from cliffscan.common.contract.messages import DepthImage, ServiceStatus
+from cliffscan.common.contract.topics import DEPTH, status
+from cliffscan.common.runtime.bus import Bus
+from cliffscan.common.runtime.latest_queue import Inbox
+from cliffscan.common.runtime.service import PATIENCE, StopSignal
 from cliffscan.plain import plain
-from common.bus import Bus
-from common.geometry import FloorPlane
-from common.inbox import Inbox
-from common.message import Message, MessageError
-from common.messages import DepthImage, ServiceStatus
-from common.service import PATIENCE, StopSignal
-from common.topics import DEPTH, status
-from services.capture.floor_tracker import FloorTracker
+from cliffscan.services.capture.floor.tracker import FloorTracker
 
 M = TypeVar("M", bound=Message)
 

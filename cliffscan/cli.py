@@ -12,22 +12,22 @@ from collections.abc import Callable
 from typing import get_args
 
 from cliffscan.calibrate import calibrate
+from cliffscan.common.contract.topics import ROBOT_NAME
+from cliffscan.common.runtime import config as configuration
+from cliffscan.common.runtime import options
+from cliffscan.common.runtime.bus import Bus, BusError, Network
+from cliffscan.common.runtime.config import ConfigError
+from cliffscan.common.runtime.service import USAGE_ERROR, StopSignal, connect, package_version
 from cliffscan.drive import PRIORITY, drive
 from cliffscan.echo import echo
 from cliffscan.listing import list_keys, list_robots
 from cliffscan.liveness import alive
+from cliffscan.services.capture.config import CaptureConfig
+from cliffscan.simulator.world_names import RANDOM, world_names
 from cliffscan.status import status
 from cliffscan.supervisor import ConfigRefused
 from cliffscan.system import TURN, Base, Plan, System
 from cliffscan.welcome import welcome
-from common import config as configuration
-from common import options
-from common.bus import Bus, BusError, Network
-from common.config import ConfigError
-from common.service import USAGE_ERROR, StopSignal, connect, package_version
-from common.topics import ROBOT_NAME
-from services.capture.config import CaptureConfig
-from simulator.world_names import RANDOM, world_names
 
 SIMULATED = "simulated"
 WORLD = "paper_room"  # has a hole 1.5 m ahead

@@ -9,12 +9,12 @@ from contextlib import suppress
 from dataclasses import dataclass
 from typing import Generic, NamedTuple, TypeVar
 
+from cliffscan.common.contract.base_messages import BaseState, Odometry, Rule, SafetyState
+from cliffscan.common.contract.message import Message, MessageError
+from cliffscan.common.contract.topics import BASE_STATE, ODOMETRY, SAFETY, Topic
+from cliffscan.common.runtime.bus import Bus
 from cliffscan.keys import KeyPad, Motion
 from cliffscan.plain import plain
-from common.base_messages import BaseState, Odometry, Rule, SafetyState
-from common.bus import Bus
-from common.message import Message, MessageError
-from common.topics import BASE_STATE, ODOMETRY, SAFETY, Topic
 
 M = TypeVar("M", bound=Message)
 

@@ -16,14 +16,14 @@ from contextlib import suppress
 from types import TracebackType
 from typing import Protocol, Self
 
+from cliffscan.common.contract.base_messages import Velocity
+from cliffscan.common.contract.message import MessageError
+from cliffscan.common.contract.topics import VELOCITY, command
+from cliffscan.common.runtime.bus import Bus
+from cliffscan.common.runtime.service import USAGE_ERROR, StopSignal
 from cliffscan.dashboard import Board, lines, screen
 from cliffscan.hang_up import hang_up_stops
 from cliffscan.keys import FASTEST, FASTEST_TURN, STILL, KeyPad, Motion, Order
-from common.base_messages import Velocity
-from common.bus import Bus
-from common.message import MessageError
-from common.service import USAGE_ERROR, StopSignal
-from common.topics import VELOCITY, command
 
 STDIN = 0
 PERIOD = 0.05  # [s] between two velocities while driving

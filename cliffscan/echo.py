@@ -5,15 +5,15 @@ from __future__ import annotations
 import sys
 import time
 
+from cliffscan.common.contract.message import MessageError
+from cliffscan.common.contract.topics import message_at
+from cliffscan.common.runtime.bus import Bus
+from cliffscan.common.runtime.latest_queue import Inbox
+from cliffscan.common.runtime.service import PATIENCE, StopSignal
+from cliffscan.common.runtime.suggest import suggest
 from cliffscan.live import live_keys
 from cliffscan.plain import plain
 from cliffscan.show import line
-from common.bus import Bus
-from common.inbox import Inbox
-from common.message import MessageError
-from common.service import PATIENCE, StopSignal
-from common.suggest import suggest
-from common.topics import message_at
 
 ROOM = 256  # samples that may wait to be printed
 QUIET = 3.0  # [s] without a message, after which that is told

@@ -6,7 +6,7 @@ import signal
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-from common.service import StopSignal
+from cliffscan.common.runtime.service import StopSignal
 
 NUMBERS = (signal.SIGHUP, signal.SIGQUIT)
 

@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from typing import NamedTuple
 
 from cliffscan.clocks import Clocks
-from common.config import SERVICES
-from common.messages import ServiceStatus
+from cliffscan.common.contract.messages import ServiceStatus
+from cliffscan.common.runtime.config import SERVICES
 
 SILENT = 2.5  # [s] after which what comes once a second is missed
 FEEDS = {  # by whom each service is fed, and with what

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import sys
 
+from cliffscan.common.contract.topics import alive, message_at
+from cliffscan.common.runtime.bus import Bus
+from cliffscan.common.runtime.service import StopSignal
 from cliffscan.live import NEWS, live_keys
 from cliffscan.plain import plain
-from common.bus import Bus
-from common.service import StopSignal
-from common.topics import alive, message_at
 
 
 def list_keys(bus: Bus, where: str, stop: StopSignal) -> int:

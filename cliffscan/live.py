@@ -6,8 +6,8 @@ import threading
 import time
 from typing import NamedTuple
 
-from common.bus import Bus
-from common.service import StopSignal
+from cliffscan.common.runtime.bus import Bus
+from cliffscan.common.runtime.service import StopSignal
 
 NEWS = 1.0  # [s] in which a new session has heard of every service that works
 LOOK = 1.5  # [s] in which all that is published at 1 Hz comes at least once

@@ -5,12 +5,12 @@ from __future__ import annotations
 import sys
 import time
 
+from cliffscan.common.runtime.bus import Bus
+from cliffscan.common.runtime.config import SERVICES
+from cliffscan.common.runtime.service import StopSignal
+from cliffscan.common.runtime.suggest import suggest
 from cliffscan.live import NEWS, is_token
 from cliffscan.plain import plain
-from common.bus import Bus
-from common.config import SERVICES
-from common.service import StopSignal
-from common.suggest import suggest
 
 TURN = 0.1  # [s] between two looks
 

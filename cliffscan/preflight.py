@@ -9,14 +9,14 @@ from contextlib import suppress
 from importlib import import_module
 from pathlib import Path
 
-from common import config as configuration
-from common.config import ConfigError
+from cliffscan.common.runtime import config as configuration
+from cliffscan.common.runtime.config import ConfigError
 
 
 def check_config(service: str, file: Path | None, overrides: Sequence[str]) -> None:
     """Raise ConfigError where a service would refuse its configuration, or cannot run here."""
     try:
-        kind = getattr(import_module(f"services.{service}.config"), f"{service.title()}Config")
+        kind = getattr(import_module(f"cliffscan.services.{service}.config"), f"{service.title()}Config")
     except ImportError as error:
         raise ConfigError(f"{service} cannot run here: {error}; install cliffscan[all]") from error
     configuration.load(service, kind, file, overrides)
@@ -25,7 +25,7 @@ def check_config(service: str, file: Path | None, overrides: Sequence[str]) -> N
 def check_world(name: str) -> None:
     """Raise ConfigError where the simulator knows no world of that name, or is not there."""
     try:
-        import_module("simulator.world").world_source(name)
+        import_module("cliffscan.simulator.world").world_source(name)
     except (ImportError, ValueError) as error:
         raise ConfigError(str(error)) from error
 

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from common.message import Message
+from cliffscan.common.contract.message import Message
 
 
 def line(message: Message, full: bool = False) -> str:

@@ -12,14 +12,14 @@ from rich.table import Table
 from rich.text import Text
 
 from cliffscan.clocks import Clocks
+from cliffscan.common.contract.message import MessageError
+from cliffscan.common.contract.messages import ServiceStatus
+from cliffscan.common.contract.topics import status as status_topic
+from cliffscan.common.runtime.bus import Bus
+from cliffscan.common.runtime.service import StopSignal
 from cliffscan.health import Health, Heard, examine, missing
 from cliffscan.listing import nothing_of
 from cliffscan.plain import plain
-from common.bus import Bus
-from common.message import MessageError
-from common.messages import ServiceStatus
-from common.service import StopSignal
-from common.topics import status as status_topic
 
 PERIOD = 1.2  # [s] in which every service has told how it fares
 ORDINARY = ("published", "received")  # counts that tell of nothing odd

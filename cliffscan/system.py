@@ -14,15 +14,15 @@ from types import TracebackType
 from typing import Literal, Self
 
 from cliffscan import preflight
+from cliffscan.common.runtime import config as configuration
+from cliffscan.common.runtime.bus import Bus, Network, NotConnected
+from cliffscan.common.runtime.config import SENSING, SERVICES, ConfigError, meant_for
+from cliffscan.common.runtime.service import StopSignal
+from cliffscan.common.runtime.suggest import suggest
 from cliffscan.hang_up import hang_up_stops
 from cliffscan.plain import plain
+from cliffscan.services.capture.config import CaptureConfig
 from cliffscan.supervisor import Supervisor
-from common import config as configuration
-from common.bus import Bus, Network, NotConnected
-from common.config import SENSING, SERVICES, ConfigError, meant_for
-from common.service import StopSignal
-from common.suggest import suggest
-from services.capture.config import CaptureConfig
 
 ANYWHERE = re.compile(r"/(0\.0\.0\.0|\[::\]):")
 SIMULATION = "simulation"
@@ -69,7 +69,7 @@ class Plan:
         words = ["--robot", self.robot, "--mode", "client", "--connect", self.endpoint]
         words += ["--config", str(self.config)] if self.config else []
         words += [word for override in self.own(name) for word in ("--set", override)]
-        return [sys.executable, "-m", f"services.{name}", *words]
+        return [sys.executable, "-m", f"cliffscan.services.{name}", *words]
 
     def capture(self) -> list[str]:
         """Capture's command line."""
@@ -94,7 +94,7 @@ class Plan:
         """The command lines of the base's processes by name, the base itself first."""
         if self.world:
             ends = ["--link", str(self.port), "--control", f"{self.folder}/control"]
-            simulation = [sys.executable, "-m", "simulator", *self._simulation(), *ends]
+            simulation = [sys.executable, "-m", "cliffscan.simulator", *self._simulation(), *ends]
             return {SIMULATION: simulation, "kobuki": [*self.service("kobuki"), "--set", f"kobuki.port={self.port}"]}
         return {"kobuki": self.service("kobuki")} if self.base == "real" else {}
 

@@ -10,10 +10,10 @@ from typing import get_args
 
 from rich.console import Console
 
+from cliffscan.common.runtime.bus import BusError
+from cliffscan.common.runtime.config import ConfigError
+from cliffscan.common.runtime.service import USAGE_ERROR, StopSignal
 from cliffscan.supervisor import ConfigRefused
-from common.bus import BusError
-from common.config import ConfigError
-from common.service import USAGE_ERROR, StopSignal
 from experiments.collect import Failed
 from experiments.drive import Step, To
 from experiments.map_system import Mapper

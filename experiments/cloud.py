@@ -8,8 +8,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from common.geometry import Floats, scan_axes
-from common.messages import DepthImage
+from cliffscan.common.contract.camera import Floats, scan_axes
+from cliffscan.common.contract.messages import DepthImage
 
 
 class Kind(IntEnum):

@@ -10,13 +10,13 @@ from typing import Protocol
 
 from rich.progress import Progress
 
+from cliffscan.common.contract.messages import DepthImage, LaserScan
+from cliffscan.common.contract.topics import DEPTH
+from cliffscan.common.runtime.config import SENSING
+from cliffscan.common.runtime.latest_queue import Inbox
+from cliffscan.common.runtime.service import StopSignal
 from cliffscan.supervisor import Supervisor
 from cliffscan.system import Plan, System
-from common.config import SENSING
-from common.inbox import Inbox
-from common.messages import DepthImage, LaserScan
-from common.service import StopSignal
-from common.topics import DEPTH
 from experiments.frames import Gathering
 from experiments.goals import Aim, Goal
 from experiments.service_log import ServiceLog

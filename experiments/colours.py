@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from common.evidence import Evidence
+from cliffscan.common.contract.evidence import Evidence
 from experiments.cloud import Kind
 
 GREEN, BLUE, RED, YELLOW, PURPLE = "#009E73", "#0072B2", "#D55E00", "#E6B800", "#AA4499"

@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from common.base_messages import Triple
+from cliffscan.common.contract.base_messages import Triple
 
 LINEAR, ANGULAR = 0.30, 0.9  # [m/s], [rad/s] at most: slow enough that the camera sees all that it passes
 NEAR, AIMED = 0.08, 0.06  # [m], [rad] at which a step is done

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 from PIL import Image, ImageDraw, ImageFont
 
-from common.map_messages import OccupancyGrid
+from cliffscan.common.contract.map_messages import OccupancyGrid
 from experiments import colours
 from experiments.cloud import Bands
 from experiments.film_panels import Picture, camera_picture, map_picture, scan_picture

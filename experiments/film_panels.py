@@ -9,17 +9,17 @@ import numpy as np
 from matplotlib.colors import to_rgb
 from PIL import Image, ImageDraw
 
-from common.evidence import Evidence
-from common.geometry import Floats
-from common.map_messages import OccupancyGrid
-from common.messages import DepthImage, LaserScan
+from cliffscan.common.contract.camera import Floats
+from cliffscan.common.contract.evidence import Evidence
+from cliffscan.common.contract.map_messages import OccupancyGrid
+from cliffscan.common.contract.messages import DepthImage, LaserScan
+from cliffscan.simulator.world import Pose
 from experiments import colours
 from experiments.cloud import Bands, Kind, cloud, kinds
 from experiments.known_world import angles_of
 from experiments.map_pictures import UNKNOWN, pixels
 from experiments.map_truth import Ground
 from experiments.plan_view import FILLS, ROBOT, places
-from simulator.world import Pose
 
 STRIDE = 2  # of the camera's pixels, one is shown
 SCAN_SCALE = 58  # [px/m]

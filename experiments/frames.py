@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Collection
 from typing import NamedTuple
 
-from common.messages import DepthImage, LaserScan
-from common.topics import DEPTH, SCAN_FUSED, SCAN_NEGATIVE, SCAN_POSITIVE, scan_negative
+from cliffscan.common.contract.messages import DepthImage, LaserScan
+from cliffscan.common.contract.topics import DEPTH, SCAN_FUSED, SCAN_NEGATIVE, SCAN_POSITIVE, scan_negative
 
 ROOM = 64  # frames that may wait for their last message
 

@@ -9,12 +9,12 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from common.config import ConfigError
-from common.geometry import Camera
-from common.messages import LaserScan
+from cliffscan.common.contract.camera import Camera
+from cliffscan.common.contract.messages import LaserScan
+from cliffscan.common.runtime.config import ConfigError
+from cliffscan.services.capture.sources.depth_source import BadFrame
+from cliffscan.services.capture.sources.replay import images_of, read_camera, read_depth
 from experiments.frames import Frame
-from services.capture.replay import images_of, read_camera, read_depth
-from services.capture.source import BadFrame
 
 SLOWEST, FASTEST = 5.0, 30.0  # [Hz] of a replay: slow enough for a busy machine,
 LAP = 10.0  # [s] but a round of a long recording shall not take much longer than this

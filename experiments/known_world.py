@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from common.geometry import Camera, Floats, axes
-from common.messages import LaserScan
+from cliffscan.common.contract.camera import Camera, Floats, axes
+from cliffscan.common.contract.messages import LaserScan
+from cliffscan.simulator.truth import BODY, floor_edge, obstacle
+from cliffscan.simulator.world import World
 from experiments.score import Truth
-from simulator.truth import BODY, floor_edge, obstacle
-from simulator.world import World
 
 SLACK = 1e-6  # [px] so that the outermost beams, which graze the image's border, are within it
 

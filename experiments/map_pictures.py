@@ -13,14 +13,14 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, Polygon
 from numpy.typing import NDArray
 
-from common.geometry import Floats
-from common.map_messages import OccupancyGrid
+from cliffscan.common.contract.camera import Floats
+from cliffscan.common.contract.map_messages import OccupancyGrid
+from cliffscan.simulator.world import Pose
 from experiments import colours
 from experiments.map_score import MapScore, edges_shown, faults, free, occupied
 from experiments.map_truth import Ground
 from experiments.panels import Panel
 from experiments.sheet import write_sheet
-from simulator.world import Pose
 
 UNKNOWN, FREE, OCCUPIED = "#BDBDBD", "#FFFFFF", "#000000"
 WRONGLY_FREE, BLOCKED = "#F0A07A", "#D433A6"

@@ -7,9 +7,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from common.base_messages import Triple
-from common.geometry import Floats
-from common.map_messages import OccupancyGrid
+from cliffscan.common.contract.base_messages import Triple
+from cliffscan.common.contract.camera import Floats
+from cliffscan.common.contract.map_messages import OccupancyGrid
 from examples.slam.map_files import FREE_UP_TO, OCCUPIED_FROM
 from experiments.map_truth import Bools, Ground, nearest
 

@@ -16,15 +16,15 @@ from pathlib import Path
 from types import TracebackType
 from typing import Literal, Self
 
+from cliffscan.common.contract.camera import FloorPlane
+from cliffscan.common.contract.message import unpack
+from cliffscan.common.contract.messages import DepthImage
+from cliffscan.common.contract.topics import DEPTH, SCAN_FUSED, SCAN_POSITIVE
+from cliffscan.common.runtime.bus import Bus, Network
+from cliffscan.common.runtime.config import SENSING
+from cliffscan.common.runtime.service import StopSignal
 from cliffscan.supervisor import Supervisor
 from cliffscan.system import Plan, System
-from common.bus import Bus, Network
-from common.config import SENSING
-from common.geometry import FloorPlane
-from common.message import unpack
-from common.messages import DepthImage
-from common.service import StopSignal
-from common.topics import DEPTH, SCAN_FUSED, SCAN_POSITIVE
 from experiments.collect import free_port
 from experiments.truth_feed import TruthFeed
 

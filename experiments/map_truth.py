@@ -11,10 +11,10 @@ import numpy as np
 from matplotlib.path import Path as Polygon
 from numpy.typing import NDArray
 
-from common.geometry import Camera, Floats
+from cliffscan.common.contract.camera import Camera, Floats
+from cliffscan.simulator.truth import Outline, floor_edge, outlines
+from cliffscan.simulator.world import Pose, World
 from experiments.known_world import measurable
-from simulator.truth import Outline, floor_edge, outlines
-from simulator.world import Pose, World
 
 SPACING = 0.01  # [m] between two points of an edge
 BESIDE = 1e-3  # [m] off a side of the floor: what is there tells what the side is

@@ -11,10 +11,12 @@ from typing import NamedTuple
 
 from rich.progress import Progress
 
-from common.geometry import Floats
-from common.inbox import Inbox
-from common.map_messages import OccupancyGrid
-from common.topics import VELOCITY
+from cliffscan.common.contract.camera import Floats
+from cliffscan.common.contract.map_messages import OccupancyGrid
+from cliffscan.common.contract.topics import VELOCITY
+from cliffscan.common.runtime.latest_queue import Inbox
+from cliffscan.services.capture.config import CaptureConfig
+from cliffscan.simulator.world import World
 from experiments.collect import TURN, Failed, Watch, tell
 from experiments.drive import Look, Step, To
 from experiments.film import Scenery, write_film
@@ -27,8 +29,6 @@ from experiments.service_log import ServiceLog
 from experiments.survey import Survey
 from experiments.tables import map_table
 from experiments.truth_feed import Truth
-from services.capture.config import CaptureConfig
-from simulator.world import World
 
 WORLD = "landing"
 ROUND: Sequence[Step] = (

@@ -11,12 +11,12 @@ from matplotlib.colorbar import Colorbar
 from matplotlib.colors import to_rgb
 from numpy.typing import NDArray
 
-from common.messages import DepthImage, LaserScan
+from cliffscan.common.contract.messages import DepthImage, LaserScan
+from cliffscan.simulator.truth import Outline
 from experiments import colours
 from experiments.cloud import Cloud, Kind
 from experiments.known_world import angles_of
 from experiments.plan_view import Extent, draw_field_of_view, draw_world, places, prepare
-from simulator.truth import Outline
 
 MOST_POINTS = 60_000  # more would only be drawn over one another
 FEW_POINTS = 15_000  # so many are drawn larger, or they would be lost on the edge where they lie

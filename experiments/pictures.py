@@ -5,15 +5,15 @@ from __future__ import annotations
 from collections.abc import Iterable
 from pathlib import Path
 
-from common.evidence import Evidence
-from common.messages import LaserScan
+from cliffscan.common.contract.evidence import Evidence
+from cliffscan.common.contract.messages import LaserScan
+from cliffscan.simulator.truth import outlines
+from cliffscan.simulator.world import World
 from experiments.cloud import Bands, Kind, cloud, kinds
 from experiments.frames import Frame, name_of
 from experiments.panels import Scene, depth_panel, kind_panel, points_panel, scan_panel
 from experiments.plan_view import Extent, extent_of
 from experiments.sheet import IMAGE_HEIGHT, evidence_legend, kind_legend, world_legend, write_sheet
-from simulator.truth import outlines
-from simulator.world import World
 
 FIGURES = {  # of the paper, by world and by what is shown
     "paper_room": {

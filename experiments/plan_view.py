@@ -10,12 +10,12 @@ from matplotlib.axes import Axes
 from matplotlib.patches import Circle, Polygon
 from matplotlib.ticker import MaxNLocator
 
-from common.geometry import Floats
-from common.messages import LaserScan
+from cliffscan.common.contract.camera import Floats
+from cliffscan.common.contract.messages import LaserScan
+from cliffscan.simulator.truth import Outline
 from experiments import colours
 from experiments.cloud import Cloud
 from experiments.known_world import angles_of
-from simulator.truth import Outline
 
 ROBOT = 0.177  # [m] radius of a TurtleBot 2
 FILLS = {"lower": colours.LOWER, "floor": colours.FLOOR, "obstacle": colours.WALL, "overhead": colours.OVERHEAD}

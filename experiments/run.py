@@ -12,10 +12,13 @@ import numpy as np
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
 
+from cliffscan.common.runtime import config as configuration
+from cliffscan.common.runtime.config import C
+from cliffscan.common.runtime.service import StopSignal
+from cliffscan.services.negative.config import NegativeConfig
+from cliffscan.services.positive.config import PositiveConfig
+from cliffscan.simulator.world import World
 from cliffscan.supervisor import ConfigRefused
-from common import config as configuration
-from common.config import C
-from common.service import StopSignal
 from experiments.cloud import Bands
 from experiments.collect import Silent, collect, tell
 from experiments.frames import Frame, name_of, scan_paths, tells_edges
@@ -25,9 +28,6 @@ from experiments.pictures import recorded_picture, world_pictures
 from experiments.score import Score, census, score
 from experiments.service_log import ServiceLog
 from experiments.tables import Table, census_table, edge_table
-from services.negative.config import NegativeConfig
-from services.positive.config import PositiveConfig
-from simulator.world import World
 
 RATE = 10.0  # [Hz] of a world: what is measured is where scans are right, on a slow machine too
 MOST_PICTURES = 12  # of a recording

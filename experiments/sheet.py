@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from common.evidence import Evidence
+from cliffscan.common.contract.evidence import Evidence
 from experiments import colours
 from experiments.cloud import Kind
 from experiments.panels import Panel

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from common.base_messages import Odometry, Triple, Velocity
-from common.bus import Publisher
-from common.map_messages import OccupancyGrid, Pose2D
-from common.messages import DepthImage, LaserScan
-from common.topics import DEPTH, MAP, ODOMETRY, POSE
+from cliffscan.common.contract.base_messages import Odometry, Triple, Velocity
+from cliffscan.common.contract.map_messages import OccupancyGrid, Pose2D
+from cliffscan.common.contract.messages import DepthImage, LaserScan
+from cliffscan.common.contract.topics import DEPTH, MAP, ODOMETRY, POSE
+from cliffscan.common.runtime.bus import Publisher
 from experiments.drive import Driver, Step
 from experiments.frames import Frame, Gathering
 

@@ -7,9 +7,9 @@ import socket
 import threading
 from typing import Any, NamedTuple
 
-from simulator import wire
-from simulator.wire import FrameReader
-from simulator.world import Pose
+from cliffscan.simulator import wire
+from cliffscan.simulator.wire import FrameReader
+from cliffscan.simulator.world import Pose
 
 PATIENCE = 5.0  # [s]
 READ_SIZE = 1 << 20  # [bytes]

@@ -11,17 +11,17 @@ import math
 from contextlib import ExitStack
 from pathlib import Path
 
-from simulator.frame_server import FrameServer
-from simulator.kinect import kinect_camera
-from simulator.kobuki.__main__ import USAGE_ERROR, stop_signal
-from simulator.kobuki.cable import Cable, CableError
-from simulator.kobuki.drive import WheelModel
-from simulator.kobuki.runner import Runner
-from simulator.kobuki.server import ControlServer, ServerError
-from simulator.live import Live
-from simulator.robot import RobotSimulation
-from simulator.wire import WireError
-from simulator.world import Pose
+from cliffscan.simulator.frame_server import FrameServer
+from cliffscan.simulator.kinect import kinect_camera
+from cliffscan.simulator.kobuki.__main__ import USAGE_ERROR, stop_signal
+from cliffscan.simulator.kobuki.cable import Cable, CableError
+from cliffscan.simulator.kobuki.drive import WheelModel
+from cliffscan.simulator.kobuki.runner import Runner
+from cliffscan.simulator.kobuki.server import ControlServer, ServerError
+from cliffscan.simulator.live import Live
+from cliffscan.simulator.robot import RobotSimulation
+from cliffscan.simulator.wire import WireError
+from cliffscan.simulator.world import Pose
 
 log = logging.getLogger(__name__)
 

@@ -12,8 +12,8 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from simulator.kobuki.kinematics import Wheels
-from simulator.world import SCENE, START, Pose, world_source
+from cliffscan.simulator.kobuki.kinematics import Wheels
+from cliffscan.simulator.world import SCENE, START, Pose, world_source
 
 Floats = NDArray[np.float64]
 
@@ -124,6 +124,6 @@ def model_of(world: str) -> mujoco.MjModel:
     scene.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
     scene.option.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
     scene.option.impratio = 10.0  # wheels grip rather than creep
-    robot = mujoco.MjSpec.from_string((files("simulator") / "turtlebot2.xml").read_text(encoding="utf-8"))
+    robot = mujoco.MjSpec.from_string((files("cliffscan.simulator") / "turtlebot2.xml").read_text(encoding="utf-8"))
     scene.attach(robot, frame=scene.worldbody.add_frame(), prefix=PREFIX)
     return scene.compile()

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from common.geometry import Camera, check_camera
-from simulator.faces import faces_of
-from simulator.kinect import Image, KinectModel, Millimetres, kinect_camera, measure, returns
-from simulator.rasteriser import depth_image
-from simulator.world import Pose, World
+from cliffscan.common.contract.camera import Camera, check_camera
+from cliffscan.simulator.faces import faces_of
+from cliffscan.simulator.kinect import Image, KinectModel, Millimetres, kinect_camera, measure, returns
+from cliffscan.simulator.rasteriser import depth_image
+from cliffscan.simulator.world import Pose, World
 
 
 class SimulatedKinect:

@@ -10,7 +10,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from simulator.world import World
+from cliffscan.simulator.world import World
 
 Floats = NDArray[np.float64]
 

@@ -9,8 +9,8 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from simulator.faces import circle
-from simulator.world import World
+from cliffscan.simulator.faces import circle
+from cliffscan.simulator.world import World
 
 Floats = NDArray[np.float64]
 

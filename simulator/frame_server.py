@@ -7,7 +7,7 @@ import socket
 import threading
 from pathlib import Path
 
-from simulator import wire
+from cliffscan.simulator import wire
 
 
 class FrameServer:

@@ -14,7 +14,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from common.geometry import Camera, FloorPlane, Intrinsics
+from cliffscan.common.contract.camera import Camera, FloorPlane, Intrinsics
 
 Image = NDArray[np.float32]
 Millimetres = NDArray[np.uint16]

@@ -8,13 +8,13 @@ import math
 import threading
 import time
 
-from simulator import wire
-from simulator.frame_server import FrameServer
-from simulator.kobuki import control
-from simulator.kobuki.control import ControlError, is_number
-from simulator.kobuki.runner import LOOK, Runner
-from simulator.robot import RobotSimulation
-from simulator.world import Pose
+from cliffscan.simulator import wire
+from cliffscan.simulator.frame_server import FrameServer
+from cliffscan.simulator.kobuki import control
+from cliffscan.simulator.kobuki.control import ControlError, is_number
+from cliffscan.simulator.kobuki.runner import LOOK, Runner
+from cliffscan.simulator.robot import RobotSimulation
+from cliffscan.simulator.world import Pose
 
 LONGEST = 0.05  # [s] of the simulation in one go: what the machine took longer for is left out
 WINDOW = 1.0  # [s] over which the pace is measured

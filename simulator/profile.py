@@ -13,8 +13,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from simulator.footprints import Footprint
-from simulator.world import Pose
+from cliffscan.simulator.footprints import Footprint
+from cliffscan.simulator.world import Pose
 
 Floats = NDArray[np.float64]
 Mask = NDArray[np.bool_]

@@ -9,7 +9,7 @@ import math
 from itertools import pairwise
 from random import Random
 
-from simulator.scene import Rectangle, Scene
+from cliffscan.simulator.scene import Rectangle, Scene
 
 START = Rectangle(-0.5, 0.9, -0.5, 0.5)  # [m] nothing is here
 PASSAGE = 0.6  # [m] left free around each thing

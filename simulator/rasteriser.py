@@ -12,8 +12,8 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from common.geometry import Camera
-from simulator.faces import Faces
+from cliffscan.common.contract.camera import Camera
+from cliffscan.simulator.faces import Faces
 
 Floats = NDArray[np.float64]
 Depth = NDArray[np.float32]

@@ -13,16 +13,16 @@ import math
 
 import numpy as np
 
-from common.geometry import Camera, Floats, FloorPlane, axes, check_camera
-from simulator.body import Body
-from simulator.faces import faces_of
-from simulator.kinect import Image, KinectModel, Millimetres, kinect_camera, sense
-from simulator.kobuki.drive import WheelModel
-from simulator.kobuki.firmware import DEAD_TIME
-from simulator.kobuki.kinematics import TRACK, Wheels, limited
-from simulator.rasteriser import depth_image
-from simulator.robot_base import RobotBase
-from simulator.world import START, Pose, World
+from cliffscan.common.contract.camera import Camera, Floats, FloorPlane, axes, check_camera
+from cliffscan.simulator.body import Body
+from cliffscan.simulator.faces import faces_of
+from cliffscan.simulator.kinect import Image, KinectModel, Millimetres, kinect_camera, sense
+from cliffscan.simulator.kobuki.drive import WheelModel
+from cliffscan.simulator.kobuki.firmware import DEAD_TIME
+from cliffscan.simulator.kobuki.kinematics import TRACK, Wheels, limited
+from cliffscan.simulator.rasteriser import depth_image
+from cliffscan.simulator.robot_base import RobotBase
+from cliffscan.simulator.world import START, Pose, World
 
 CAMERA_X = -0.087  # [m] the Kinect of a TurtleBot 2 stands behind the wheels
 

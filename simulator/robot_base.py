@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import math
 
-from simulator.body import Body
-from simulator.kobuki.base import Base
-from simulator.kobuki.drive import WheelModel
-from simulator.kobuki.firmware import DEAD_TIME, Firmware
-from simulator.kobuki.line import Line
-from simulator.kobuki.ticker import SECOND
-from simulator.senses import Reporter, feel
-from simulator.wheels import PhysicalWheels
-from simulator.world import Pose
+from cliffscan.simulator.body import Body
+from cliffscan.simulator.kobuki.base import Base
+from cliffscan.simulator.kobuki.drive import WheelModel
+from cliffscan.simulator.kobuki.firmware import DEAD_TIME, Firmware
+from cliffscan.simulator.kobuki.line import Line
+from cliffscan.simulator.kobuki.ticker import SECOND
+from cliffscan.simulator.senses import Reporter, feel
+from cliffscan.simulator.wheels import PhysicalWheels
+from cliffscan.simulator.world import Pose
 
 FEEL_PERIOD = 0.01  # [s] the longest time between two looks at the sensors
 FALLEN_TILT = math.radians(20.0)  # more than any ramp and nod

@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from simulator.body import Body
-from simulator.kobuki.sensors import DROP_ADC, FLOOR_ADC, Sensors
+from cliffscan.simulator.body import Body
+from cliffscan.simulator.kobuki.sensors import DROP_ADC, FLOOR_ADC, Sensors
 
 CENTRE = math.radians(25.0)  # a push from within this angle of ahead is the centre bumper's
 LAST = math.radians(90.0)  # behind this there is no bumper

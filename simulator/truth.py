@@ -13,9 +13,9 @@ from typing import Literal, NamedTuple, get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from simulator.footprints import Footprint, footprints
-from simulator.profile import FLUSH, walk
-from simulator.world import World
+from cliffscan.simulator.footprints import Footprint, footprints
+from cliffscan.simulator.profile import FLUSH, walk
+from cliffscan.simulator.world import World
 
 Floats = NDArray[np.float64]
 Kind = Literal["lower", "floor", "obstacle", "overhead"]

@@ -5,10 +5,10 @@ from __future__ import annotations
 import math
 import random
 
-from simulator.body import STEP, Body
-from simulator.kobuki.drive import Pose, Rates, WheelModel
-from simulator.kobuki.kinematics import REST, Wheels
-from simulator.kobuki.ticker import SECOND, nanoseconds
+from cliffscan.simulator.body import STEP, Body
+from cliffscan.simulator.kobuki.drive import Pose, Rates, WheelModel
+from cliffscan.simulator.kobuki.kinematics import REST, Wheels
+from cliffscan.simulator.kobuki.ticker import SECOND, nanoseconds
 
 
 class PhysicalWheels:

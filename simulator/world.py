@@ -10,10 +10,10 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from common.geometry import Camera, axes
-from common.suggest import suggest
-from simulator.random_floor import random_floor
-from simulator.world_names import RANDOM, world_names
+from cliffscan.common.contract.camera import Camera, axes
+from cliffscan.common.runtime.suggest import suggest
+from cliffscan.simulator.random_floor import random_floor
+from cliffscan.simulator.world_names import RANDOM, world_names
 
 Floats = NDArray[np.float64]
 
@@ -40,7 +40,7 @@ def world_source(name: str) -> str:
         raise ValueError(
             f"no world is named {name!r}; there are {', '.join(known)} and {RANDOM}SEED{suggest(name, known)}"
         )
-    return (files("simulator") / "worlds" / f"{name}.xml").read_text(encoding="utf-8")
+    return (files("cliffscan.simulator") / "worlds" / f"{name}.xml").read_text(encoding="utf-8")
 
 
 class World:

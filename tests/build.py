@@ -15,10 +15,10 @@ import numpy as np
 from hypothesis import settings
 from PIL import Image
 
-from common.geometry import Camera, FloorPlane, Intrinsics
-from common.inbox import Inbox
-from common.messages import LaserScan
-from common.service import Service
+from cliffscan.common.contract.camera import Camera, FloorPlane, Intrinsics
+from cliffscan.common.contract.messages import LaserScan
+from cliffscan.common.runtime.latest_queue import Inbox
+from cliffscan.common.runtime.service import Service
 
 settings.register_profile("repeatable", derandomize=True, deadline=None, max_examples=60)
 settings.load_profile("repeatable")
@@ -187,7 +187,7 @@ def service(name: str, config) -> Service:
     return made
 
 
-def play(serve, name: str, config, samples, monkeypatch, inbox_of="common.service") -> Service:
+def play(serve, name: str, config, samples, monkeypatch, inbox_of="cliffscan.common.runtime.service") -> Service:
     """Run a service until it has worked off samples [(path, bytes)], which all arrive as soon as it is ready."""
     made = service(name, config)
 

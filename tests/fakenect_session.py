@@ -15,9 +15,9 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from common.geometry import Camera, FloorPlane, Intrinsics
-from services.capture.kinect import DepthStream, Kinect
-from services.capture.source import DepthFrame, SourceLost
+from cliffscan.common.contract.camera import Camera, FloorPlane, Intrinsics
+from cliffscan.services.capture.sources.depth_source import DepthFrame, SourceLost
+from cliffscan.services.capture.sources.kinect import DepthStream, Kinect
 
 CAMERA = Camera(640, 480, Intrinsics(575.8, 575.8, 314.5, 235.5), (0.5, 4.5), FloorPlane.from_mount(0.30))
 HEADER = b"P5 640 480 65535\n"

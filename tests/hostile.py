@@ -16,11 +16,11 @@ import msgpack
 import numpy as np
 import zstandard
 
-from common.base_messages import BaseState, Imu, Odometry, SafetyState, Velocity
-from common.depth_codec import ENCODINGS, LEVELS, encode
-from common.map_messages import OccupancyGrid, Pose2D
-from common.message import Message
-from common.messages import DepthImage, LaserScan, ServiceStatus
+from cliffscan.common.contract.base_messages import BaseState, Imu, Odometry, SafetyState, Velocity
+from cliffscan.common.contract.depth_codec import ENCODINGS, LEVELS, encode
+from cliffscan.common.contract.map_messages import OccupancyGrid, Pose2D
+from cliffscan.common.contract.message import Message
+from cliffscan.common.contract.messages import DepthImage, LaserScan, ServiceStatus
 
 Fields = dict[str, Any]
 

@@ -4,23 +4,23 @@ from __future__ import annotations
 
 import math
 
-from common.base_messages import Velocity
-from common.combine import combine
-from common.message import Message, MessageError
-from common.messages import DepthImage, LaserScan
-from common.scans import laser_scan
-from services.fuse.config import ExtraInput
-from services.fuse.fusion import GridMismatch, fuse
-from services.fuse.pairing import Pair
-from services.kobuki import commands
-from services.kobuki.config import KobukiConfig
-from services.kobuki.ground import Pose
-from services.kobuki.packets import decode
-from services.kobuki.safety import Safety, Scan, Twist
-from services.negative.config import NegativeConfig
-from services.negative.methods import RUN, beams_by_method
-from services.positive.__main__ import obstacles
-from services.positive.config import PositiveConfig
+from cliffscan.common.contract.base_messages import Velocity
+from cliffscan.common.contract.message import Message, MessageError
+from cliffscan.common.contract.messages import DepthImage, LaserScan
+from cliffscan.common.perception.combine import combine
+from cliffscan.common.perception.scans import laser_scan
+from cliffscan.safety.gate import Safety, Scan, Twist
+from cliffscan.safety.local_grid import Pose
+from cliffscan.services.fuse.config import ExtraInput
+from cliffscan.services.fuse.fusion import GridMismatch, fuse
+from cliffscan.services.fuse.pairing import Pair
+from cliffscan.services.kobuki.config import KobukiConfig
+from cliffscan.services.kobuki.protocol import commands
+from cliffscan.services.kobuki.protocol.packets import decode
+from cliffscan.services.negative.config import NegativeConfig
+from cliffscan.services.negative.methods import RUN, beams_by_method
+from cliffscan.services.positive.__main__ import obstacles
+from cliffscan.services.positive.config import PositiveConfig
 from tests import build
 from tests.hostile import Case
 from tests.kobuki_stream import core

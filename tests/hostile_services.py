@@ -12,9 +12,9 @@ import msgpack
 import numpy as np
 import psutil
 
-from common.base_messages import Velocity
-from common.message import MessageError
-from common.messages import DepthImage, LaserScan
+from cliffscan.common.contract.base_messages import Velocity
+from cliffscan.common.contract.message import MessageError
+from cliffscan.common.contract.messages import DepthImage, LaserScan
 from tests import hostile, scenes
 from tests.service.conftest import DEADLINE, image
 

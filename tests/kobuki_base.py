@@ -2,8 +2,8 @@
 
 import math
 
-from services.kobuki.odometry import Odometry
-from services.kobuki.packets import decode
+from cliffscan.services.kobuki.odometry import Odometry
+from cliffscan.services.kobuki.protocol.packets import decode
 from tests.kobuki_stream import core, inertia
 
 TICKS_PER_METRE = 11724.41658

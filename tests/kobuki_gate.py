@@ -4,10 +4,10 @@ import math
 
 import numpy as np
 
-from services.kobuki.config import KobukiConfig
-from services.kobuki.ground import Pose
-from services.kobuki.packets import decode
-from services.kobuki.safety import Safety, Scan, Twist
+from cliffscan.safety.gate import Safety, Scan, Twist
+from cliffscan.safety.local_grid import Pose
+from cliffscan.services.kobuki.config import KobukiConfig
+from cliffscan.services.kobuki.protocol.packets import decode
 from tests.kobuki_stream import core
 
 ANGLES = np.radians(np.linspace(-29, 29, 640))

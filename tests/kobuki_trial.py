@@ -5,10 +5,10 @@ from collections import deque
 
 import numpy as np
 
-from services.kobuki.config import KobukiConfig
-from services.kobuki.ground import MEMORY, Pose
-from services.kobuki.packets import decode
-from services.kobuki.safety import REST, Safety, Twist
+from cliffscan.safety.gate import REST, Safety, Twist
+from cliffscan.safety.local_grid import MEMORY, Pose
+from cliffscan.services.kobuki.config import KobukiConfig
+from cliffscan.services.kobuki.protocol.packets import decode
 from tests.kobuki_stream import core
 from tests.kobuki_world import ANGLES, RADIUS, SUBSTEPS, TICK, Wheels, World
 

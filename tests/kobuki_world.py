@@ -5,8 +5,8 @@ from collections import deque
 
 import numpy as np
 
-from services.kobuki.ground import Pose
-from services.kobuki.safety import REST, Scan
+from cliffscan.safety.gate import REST, Scan
+from cliffscan.safety.local_grid import Pose
 
 TICK = 0.02  # [s]
 SUBSTEPS = 4

@@ -12,13 +12,13 @@ from itertools import pairwise
 
 import numpy as np
 
-from common.geometry import Camera
-from common.grid import Grid
-from common.points import Points
-from common.view import View
-from services.negative.column_edges import AGREE, NARROWEST, SIDE
-from services.negative.floor_trace import End, Limits
-from services.negative.near_edge import APART
+from cliffscan.common.contract.beam_grid import Grid
+from cliffscan.common.contract.camera import Camera
+from cliffscan.common.perception.image_region import View
+from cliffscan.common.perception.point_heights import Points
+from cliffscan.services.negative.column_edges import AGREE, NARROWEST, SIDE
+from cliffscan.services.negative.floor_following import End, Limits
+from cliffscan.services.negative.near_edge import APART
 from tests import naive_trace
 
 

@@ -7,10 +7,10 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from common.geometry import Camera
-from common.grid import Grid
-from services.positive.first_sight import BASE, UNEVEN
-from services.positive.projection import ACROSS, CLOSE
+from cliffscan.common.contract.beam_grid import Grid
+from cliffscan.common.contract.camera import Camera
+from cliffscan.services.positive.first_sight import BASE, UNEVEN
+from cliffscan.services.positive.projection import ACROSS, CLOSE
 from tests import naive
 
 Point = tuple[float, float]  # how far away and how high above the plane [m]

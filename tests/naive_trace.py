@@ -7,10 +7,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from common.geometry import Affine
-from services.negative import floor_trace as of_trace
-from services.negative import shadow as of_shadow
-from services.negative.floor_trace import End, Limits
+from cliffscan.common.contract.camera import Affine
+from cliffscan.services.negative import floor_following as of_trace
+from cliffscan.services.negative import shadow as of_shadow
+from cliffscan.services.negative.floor_following import End, Limits
 
 f32 = np.float32
 NEVER = -1

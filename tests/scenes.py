@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from common.geometry import Camera, FloorPlane, Intrinsics, scan_axes
+from cliffscan.common.contract.camera import Camera, FloorPlane, Intrinsics, scan_axes
 
 Box = tuple[float, float, float, float, float, float]  # x, y, z from and to [m], in the scan frame
 

@@ -13,8 +13,8 @@ from benchmarks.accuracy import drops, safe
 from benchmarks.accuracy.drops import Span
 from benchmarks.accuracy.mounts import any_mount, floor_in_view
 from benchmarks.accuracy.scene import Scene
-from common.geometry import Camera
-from simulator.kinect import kinect_camera
+from cliffscan.common.contract.camera import Camera
+from cliffscan.simulator.kinect import kinect_camera
 
 Build = Callable[[np.random.Generator, Span], Scene]
 

@@ -13,11 +13,11 @@ from benchmarks.accuracy.cases import Case, camera_of, scene_of
 from benchmarks.accuracy.mounts import moved, pose
 from benchmarks.accuracy.polygons import contains
 from benchmarks.accuracy.scene import Scene
-from common.geometry import Camera, FloorPlane, scan_axes
-from services.capture.floor_tracker import FloorTracker
-from simulator.faces import Faces, pack
-from simulator.kinect import Image, KinectModel, Millimetres, measure, returns
-from simulator.rasteriser import depth_image
+from cliffscan.common.contract.camera import Camera, FloorPlane, scan_axes
+from cliffscan.services.capture.floor.tracker import FloorTracker
+from cliffscan.simulator.faces import Faces, pack
+from cliffscan.simulator.kinect import Image, KinectModel, Millimetres, measure, returns
+from cliffscan.simulator.rasteriser import depth_image
 
 KNOWN, UNKNOWN, WOBBLING = "known", "unknown", "wobbling"
 PLANES = (KNOWN, UNKNOWN, WOBBLING)

@@ -7,8 +7,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from common.geometry import Camera, Floats, FloorPlane, axes
-from simulator.kinect import kinect_camera
+from cliffscan.common.contract.camera import Camera, Floats, FloorPlane, axes
+from cliffscan.simulator.kinect import kinect_camera
 
 HEIGHTS = (0.20, 1.00)  # [m]
 PITCHES = (0.0, 35.0)  # [deg] looking down

@@ -6,11 +6,11 @@ from collections.abc import Sequence
 from typing import get_args
 
 from benchmarks.accuracy.frames import Frame
-from common.combine import Beams, combine
-from common.depth_codec import RAW
-from common.messages import DepthImage
-from services.negative.config import Method, NegativeConfig
-from services.negative.methods import beams_by_method
+from cliffscan.common.contract.depth_codec import RAW
+from cliffscan.common.contract.messages import DepthImage
+from cliffscan.common.perception.combine import Beams, combine
+from cliffscan.services.negative.config import Method, NegativeConfig
+from cliffscan.services.negative.methods import beams_by_method
 
 METHODS: tuple[Method, ...] = get_args(Method)
 PAPER: tuple[Method, ...] = ("farthest_point", "virtual_floor")

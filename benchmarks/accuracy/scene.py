@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from benchmarks.accuracy.polygons import Floats, around, rectangle
-from simulator.faces import circle
+from cliffscan.simulator.faces import circle
 
 GROUND = rectangle(np.array([6.0, 0.0]), 16.0, 20.0, 0.0)  # farther than any sensor sees
 TALL = 2.5  # [m] of a wall

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.accuracy.truth import Truth
-from common.combine import Beams
+from cliffscan.common.perception.combine import Beams
 
 Ranges = NDArray[np.floating[Any]]
 Verdicts = NDArray[np.int8]

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 from benchmarks.accuracy.mounts import pose
 from benchmarks.accuracy.polygons import Floats, crossing
 from benchmarks.accuracy.scene import Scene
-from common.geometry import Camera
-from simulator.kinect import KinectModel
+from cliffscan.common.contract.camera import Camera
+from cliffscan.simulator.kinect import KinectModel
 
 Mask = NDArray[np.bool_]
 

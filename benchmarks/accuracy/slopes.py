@@ -9,7 +9,7 @@ import numpy as np
 from benchmarks.accuracy.polygons import Floats
 from benchmarks.accuracy.scene import Ramp
 from benchmarks.accuracy.sight import GRAZING, floor_points, pixels
-from common.geometry import Camera
+from cliffscan.common.contract.camera import Camera
 
 
 def lost_from(ramp: Ramp | None, camera: Camera, angles: Floats) -> tuple[Floats, Floats]:

@@ -15,7 +15,7 @@ from benchmarks.accuracy.polygons import Floats, crossing
 from benchmarks.accuracy.scene import Scene
 from benchmarks.accuracy.sight import ROWS_BEFORE, in_view, row_spacing, unobstructed
 from benchmarks.accuracy.slopes import lost_from
-from common.geometry import Camera
+from cliffscan.common.contract.camera import Camera
 
 Mask = NDArray[np.bool_]
 

@@ -13,9 +13,9 @@ from random import Random
 
 from benchmarks.falls.memory import Memory, Place
 from benchmarks.falls.sight import SQUARE
-from common.messages import LaserScan
-from services.kobuki.safety import Decision, Twist
-from simulator.world import Pose
+from cliffscan.common.contract.messages import LaserScan
+from cliffscan.safety.gate import Decision, Twist
+from cliffscan.simulator.world import Pose
 
 WHIM = 0.2  # share of the goals that are any place at all
 BEYOND = 0.4  # [m] around the floor plan where these may be

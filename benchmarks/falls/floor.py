@@ -12,9 +12,9 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from simulator.footprints import Footprint, footprints
-from simulator.truth import kind
-from simulator.world import Pose, World
+from cliffscan.simulator.footprints import Footprint, footprints
+from cliffscan.simulator.truth import kind
+from cliffscan.simulator.world import Pose, World
 
 Floats = NDArray[np.float64]
 Mask = NDArray[np.bool_]

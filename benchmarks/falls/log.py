@@ -8,8 +8,8 @@ from benchmarks.falls.cases import Case
 from benchmarks.falls.floor import Floor, arc
 from benchmarks.falls.outcome import Outcome, Point
 from benchmarks.falls.watch import Watch
-from services.kobuki.safety import CRAWL, Decision
-from simulator.world import Pose, World
+from cliffscan.safety.gate import CRAWL, Decision
+from cliffscan.simulator.world import Pose, World
 
 POINT_PERIOD = 0.1  # [s] between two points of the track
 AHEAD = 0.5  # [m] of a commanded arc that must be free for a hold to be without cause

@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.falls.sight import SQUARE, Sight
-from common.messages import LaserScan
-from simulator.world import Pose
+from cliffscan.common.contract.messages import LaserScan
+from cliffscan.simulator.world import Pose
 
 SEEN = 0.45, 0.28  # [m] around the robot that counts as visited, in a first and in a second round
 STOPPED = 0.20, 0.15  # [m] ahead of a robot that was held, and around there, where its middle cannot get to

@@ -6,19 +6,19 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import Literal
 
-from common.combine import combine
-from common.depth_codec import RAW
-from common.geometry import Camera
-from common.messages import DepthImage, LaserScan
-from common.scans import laser_scan
-from services.capture.floor_tracker import FloorTracker
-from services.fuse.fusion import fuse
-from services.fuse.pairing import Pair
-from services.negative.config import NegativeConfig
-from services.negative.methods import beams_by_method
-from services.positive.__main__ import obstacles
-from services.positive.config import PositiveConfig
-from simulator.kinect import Millimetres
+from cliffscan.common.contract.camera import Camera
+from cliffscan.common.contract.depth_codec import RAW
+from cliffscan.common.contract.messages import DepthImage, LaserScan
+from cliffscan.common.perception.combine import combine
+from cliffscan.common.perception.scans import laser_scan
+from cliffscan.services.capture.floor.tracker import FloorTracker
+from cliffscan.services.fuse.fusion import fuse
+from cliffscan.services.fuse.pairing import Pair
+from cliffscan.services.negative.config import NegativeConfig
+from cliffscan.services.negative.methods import beams_by_method
+from cliffscan.services.positive.__main__ import obstacles
+from cliffscan.services.positive.config import PositiveConfig
+from cliffscan.simulator.kinect import Millimetres
 
 Mode = Literal["default", "paper", "positive"]
 Perception = Callable[[Millimetres, int], LaserScan]  # of a frame (rows, columns) [mm] and its stamp [ns]

@@ -12,8 +12,8 @@ from matplotlib.patches import Circle, Polygon
 
 from benchmarks.falls.floor import CELL, NEAR, RADIUS, Floor, dilated
 from benchmarks.falls.outcome import Outcome, Point
-from simulator.truth import outlines
-from simulator.world import World
+from cliffscan.simulator.truth import outlines
+from cliffscan.simulator.world import World
 
 GROUND = {"lower": "mistyrose", "floor": "honeydew", "obstacle": "dimgray", "overhead": "none"}
 RULES = {

@@ -15,15 +15,15 @@ from benchmarks.falls.log import Log
 from benchmarks.falls.outcome import Outcome
 from benchmarks.falls.trial import COMMAND_PERIOD, ENCODER_NOISE
 from benchmarks.falls.watch import Look
-from common.base_messages import BaseState, Odometry, Rule, SafetyState
-from common.inbox import Inbox
-from common.messages import LaserScan
-from common.service import StopSignal
-from common.topics import BASE_STATE, ODOMETRY, SAFETY, SCAN_FUSED
+from cliffscan.common.contract.base_messages import BaseState, Odometry, Rule, SafetyState
+from cliffscan.common.contract.messages import LaserScan
+from cliffscan.common.contract.topics import BASE_STATE, ODOMETRY, SAFETY, SCAN_FUSED
+from cliffscan.common.runtime.latest_queue import Inbox
+from cliffscan.common.runtime.service import StopSignal
+from cliffscan.safety.gate import REST, Decision, Twist
+from cliffscan.simulator.world import Pose, World
 from experiments.service_log import ServiceLog
 from experiments.truth_feed import TruthFeed
-from services.kobuki.safety import REST, Decision, Twist
-from simulator.world import Pose, World
 
 OVERRIDES = {"default": (), "paper": ("profile=paper",)}  # by mode; positive alone is nothing that `fuse` says
 

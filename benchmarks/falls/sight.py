@@ -7,10 +7,10 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from common.messages import LaserScan
-from services.kobuki.config import KobukiConfig
-from services.kobuki.ground import Pose as Place
-from simulator.world import Pose
+from cliffscan.common.contract.messages import LaserScan
+from cliffscan.safety.local_grid import Pose as Place
+from cliffscan.services.kobuki.config import KobukiConfig
+from cliffscan.simulator.world import Pose
 
 Floats = NDArray[np.float64]
 Mask = NDArray[np.bool_]

@@ -13,14 +13,14 @@ from benchmarks.falls.log import Log
 from benchmarks.falls.outcome import Outcome
 from benchmarks.falls.perception import perception
 from benchmarks.falls.watch import Look
-from common.base_messages import Velocity
-from common.messages import LaserScan
-from services.kobuki.config import KobukiConfig
-from services.kobuki.controller import BaseController
-from services.kobuki.sensors import Core
-from simulator.kobuki.drive import WheelModel
-from simulator.robot import RobotSimulation
-from simulator.world import Pose
+from cliffscan.common.contract.base_messages import Velocity
+from cliffscan.common.contract.messages import LaserScan
+from cliffscan.services.kobuki.config import KobukiConfig
+from cliffscan.services.kobuki.controller import BaseController
+from cliffscan.services.kobuki.protocol.sensors import Core
+from cliffscan.simulator.kobuki.drive import WheelModel
+from cliffscan.simulator.robot import RobotSimulation
+from cliffscan.simulator.world import Pose
 
 SECOND = 1_000_000_000  # [ns]
 TICK = 0.01  # [s]

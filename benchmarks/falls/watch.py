@@ -6,7 +6,7 @@ import math
 from typing import NamedTuple
 
 from benchmarks.falls.outcome import Event, Kind
-from simulator.world import Pose
+from cliffscan.simulator.world import Pose
 
 STRANDED = 60.0  # [s] in one place, after which the robot will not get away any more
 PLACE, TURN = 0.10, math.radians(20.0)  # [m] and [rad] within which it is one place

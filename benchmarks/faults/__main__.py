@@ -13,7 +13,7 @@ from benchmarks.faults.faults import known_faults
 from benchmarks.faults.report import table
 from benchmarks.faults.rig import Rig
 from benchmarks.faults.trial import Outcome, run_trial
-from common.service import StopSignal
+from cliffscan.common.runtime.service import StopSignal
 from experiments.service_log import ServiceLog
 
 OUT = Path("out/faults.md")

@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 from benchmarks.faults.frame_relay import Mode
 from benchmarks.faults.rig import Rig
-from common.config import SERVICES
+from cliffscan.common.runtime.config import SERVICES
 
 PROCESSES = ("router", *SERVICES)
 LATE = 0.6  # [s] of a late frame

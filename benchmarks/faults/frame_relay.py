@@ -8,9 +8,9 @@ import time
 from collections import deque
 from typing import Literal
 
-from simulator import wire
-from simulator.frame_server import FrameServer
-from simulator.wire import FrameReader, WireFrame
+from cliffscan.simulator import wire
+from cliffscan.simulator.frame_server import FrameServer
+from cliffscan.simulator.wire import FrameReader, WireFrame
 
 Mode = Literal["pass", "late", "frozen", "repeated", "dropped"]
 

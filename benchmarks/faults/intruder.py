@@ -18,10 +18,10 @@ from threading import Thread
 import numpy as np
 import zenoh
 
-from common.base_messages import Velocity
-from common.combine import NOT_TOLD
-from common.messages import LaserScan
-from common.topics import SCAN_FUSED, VELOCITY, command
+from cliffscan.common.contract.base_messages import Velocity
+from cliffscan.common.contract.messages import LaserScan
+from cliffscan.common.contract.topics import SCAN_FUSED, VELOCITY, command
+from cliffscan.common.perception.combine import NOT_TOLD
 
 COMMANDS, REQUESTS = 5000.0, 20_000.0  # [Hz] of a flood
 SCANS, DRIVES = 30.0, 50.0  # [Hz]

@@ -17,10 +17,10 @@ from typing import NamedTuple, Self
 from benchmarks.driven import SOURCE, DrivenRobot
 from benchmarks.faults.frame_relay import FrameRelay
 from benchmarks.faults.shuttle import START, WORLD, Shuttle
-from common.base_messages import Velocity
-from common.service import StopSignal
-from simulator.kobuki.client import Remote
-from simulator.world import Pose
+from cliffscan.common.contract.base_messages import Velocity
+from cliffscan.common.runtime.service import StopSignal
+from cliffscan.simulator.kobuki.client import Remote
+from cliffscan.simulator.world import Pose
 
 TURNING, ONCE = 0.6, 13.0  # [rad/s], [s]
 OUTAGE = 1.5  # [s] after which held commands arrive in a burst

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import random
 
+from cliffscan.simulator.world import Pose
 from experiments.drive import LINEAR, Command, To
-from simulator.world import Pose
 
 WORLD = "landing"
 START = Pose(0.0, 0.2, 0.0)

@@ -6,16 +6,16 @@ from collections.abc import Iterator
 from contextlib import closing
 from dataclasses import replace
 
-from common import topics
-from common.depth_codec import LEVELS, RAW
-from common.messages import DepthImage
-from common.service import PATIENCE, Service, main
-from services.capture.config import CaptureConfig
-from services.capture.description import Description
-from services.capture.floor_tracker import FloorTracker
-from services.capture.frozen import REPEATED, FrozenWatch
-from services.capture.open_source import KINDS, open_source
-from services.capture.source import BadFrame, DepthFrame, Source, SourceEnded, SourceLost
+from cliffscan.common.contract import topics
+from cliffscan.common.contract.depth_codec import LEVELS, RAW
+from cliffscan.common.contract.messages import DepthImage
+from cliffscan.common.runtime.service import PATIENCE, Service, main
+from cliffscan.services.capture.config import CaptureConfig
+from cliffscan.services.capture.description import Description
+from cliffscan.services.capture.floor.tracker import FloorTracker
+from cliffscan.services.capture.sources.depth_source import BadFrame, DepthFrame, Source, SourceEnded, SourceLost
+from cliffscan.services.capture.sources.frozen import REPEATED, FrozenWatch
+from cliffscan.services.capture.sources.open_source import KINDS, open_source
 
 BACK_OFF = (0.5, 8.0)  # [s] before the first and, doubled each time, before a later attempt to open a device
 

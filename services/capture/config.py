@@ -7,9 +7,9 @@ from typing import Annotated, ClassVar, Literal, Self, get_args
 
 from pydantic import Field, model_validator
 
-from common.config import ConfigError, Profiles, ServiceConfig
-from common.geometry import Camera, FloorPlane, Intrinsics, check_camera
-from common.message import ListAsTuple
+from cliffscan.common.contract.camera import Camera, FloorPlane, Intrinsics, check_camera
+from cliffscan.common.contract.message import ListAsTuple
+from cliffscan.common.runtime.config import ConfigError, Profiles, ServiceConfig
 
 Source = Literal["simulator", "replay", "kinect"]
 KINECT = (640, 480)  # pixels

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import time
 
-from common import topics
-from common.description import CameraDescription, RobotDescription
-from common.geometry import Camera
-from common.service import Service
-from services.capture.config import CaptureConfig
-from services.capture.open_source import KINDS
+from cliffscan.common.contract import topics
+from cliffscan.common.contract.camera import Camera
+from cliffscan.common.contract.description import CameraDescription, RobotDescription
+from cliffscan.common.runtime.service import Service
+from cliffscan.services.capture.config import CaptureConfig
+from cliffscan.services.capture.sources.open_source import KINDS
 
 SOONEST = 1.0  # [s] between two descriptions of one stream: a recording may bring a floor with each frame
 

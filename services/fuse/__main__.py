@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import time
 
-from common import topics
-from common.inbox import Inbox
-from common.messages import LaserScan
-from common.service import PATIENCE, Service, main
-from common.topics import Topic
-from services.fuse.config import ExtraInput, FuseConfig
-from services.fuse.fusion import GridMismatch, fuse
-from services.fuse.pairing import Pair, Pairing
+from cliffscan.common.contract import topics
+from cliffscan.common.contract.messages import LaserScan
+from cliffscan.common.contract.topics import Topic
+from cliffscan.common.runtime.latest_queue import Inbox
+from cliffscan.common.runtime.service import PATIENCE, Service, main
+from cliffscan.services.fuse.config import ExtraInput, FuseConfig
+from cliffscan.services.fuse.fusion import GridMismatch, fuse
+from cliffscan.services.fuse.pairing import Pair, Pairing
 
 SIDES = {"positive": topics.SCAN_POSITIVE, "negative": topics.SCAN_NEGATIVE}
 ROOM = 64  # scans that may wait to be looked at

@@ -6,9 +6,9 @@ from typing import Annotated
 
 from pydantic import Field, field_validator
 
-from common.config import ServiceConfig
-from common.messages import LaserScan
-from common.topics import SCAN_FUSED, message_at
+from cliffscan.common.contract.messages import LaserScan
+from cliffscan.common.contract.topics import SCAN_FUSED, message_at
+from cliffscan.common.runtime.config import ServiceConfig
 
 
 class ExtraInput(ServiceConfig):

@@ -7,13 +7,13 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from common.combine import Beams, Ranges, combine
-from common.evidence import Evidence
-from common.grid import Grid
-from common.messages import LaserScan
-from services.fuse.config import ExtraInput
-from services.fuse.pairing import Pair
-from services.fuse.resample import resample
+from cliffscan.common.contract.beam_grid import Grid
+from cliffscan.common.contract.evidence import Evidence
+from cliffscan.common.contract.messages import LaserScan
+from cliffscan.common.perception.combine import Beams, Ranges, combine
+from cliffscan.services.fuse.config import ExtraInput
+from cliffscan.services.fuse.pairing import Pair
+from cliffscan.services.fuse.resample import resample
 
 
 class GridMismatch(ValueError):

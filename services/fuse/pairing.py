@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from common.messages import LaserScan
+from cliffscan.common.contract.messages import LaserScan
 
 ROOM = 64  # frames that may wait at once
 

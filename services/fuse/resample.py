@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from common.combine import Ranges
-from common.geometry import Floats
-from common.grid import Grid
+from cliffscan.common.contract.beam_grid import Grid
+from cliffscan.common.contract.camera import Floats
+from cliffscan.common.perception.combine import Ranges
 
 ROUNDING = 1e-9  # [rad]
 

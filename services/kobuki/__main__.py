@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from contextlib import closing
 
-from common.service import Service, main
-from services.kobuki.config import KobukiConfig
-from services.kobuki.io_loop import IoLoop
+from cliffscan.common.runtime.service import Service, main
+from cliffscan.services.kobuki.config import KobukiConfig
+from cliffscan.services.kobuki.io_loop import IoLoop
 
 
 def serve(service: Service[KobukiConfig]) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from services.kobuki.sensors import Core
+from cliffscan.services.kobuki.protocol.sensors import Core
 
 FULL = 16.5  # [V], of a new battery
 LOW = 14.0

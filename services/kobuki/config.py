@@ -7,8 +7,8 @@ from typing import Annotated
 
 from pydantic import Field
 
-from common.config import ServiceConfig
-from services.kobuki.ground import Pose
+from cliffscan.common.runtime.config import ServiceConfig
+from cliffscan.safety.local_grid import Pose
 
 Seconds = Annotated[float, Field(gt=0, le=5)]
 

@@ -10,26 +10,27 @@ from collections.abc import Callable, Iterator
 from concurrent.futures import Future
 from typing import NamedTuple
 
-from common.base_messages import Velocity
-from common.description import CameraDescription
-from common.messages import LaserScan
-from services.kobuki import commands, scan_claims
-from services.kobuki.arbiter import CommandArbiter
-from services.kobuki.config import KobukiConfig
-from services.kobuki.desk import Answer, GainsDesk, Reply, done, failed
-from services.kobuki.frames import FrameParser
-from services.kobuki.ground import Pose
-from services.kobuki.handshake import Handshake
-from services.kobuki.history import PoseHistory
-from services.kobuki.kinematics import METRES_PER_TICK
-from services.kobuki.odometry import Estimate, Odometry
-from services.kobuki.odometry_monitor import OdometryMonitor
-from services.kobuki.outlets import Outlets
-from services.kobuki.packets import Feedback, decode
-from services.kobuki.port import PortLost
-from services.kobuki.safety import REST, Decision, Safety, Scan, Twist
-from services.kobuki.sensors import Core
-from services.kobuki.versions import has_gains
+from cliffscan.common.contract.base_messages import Velocity
+from cliffscan.common.contract.description import CameraDescription
+from cliffscan.common.contract.messages import LaserScan
+from cliffscan.safety import scan_claims
+from cliffscan.safety.command_arbiter import CommandArbiter
+from cliffscan.safety.gate import REST, Decision, Safety, Scan, Twist
+from cliffscan.safety.local_grid import Pose
+from cliffscan.safety.odometry_monitor import OdometryMonitor
+from cliffscan.safety.pose_history import PoseHistory
+from cliffscan.services.kobuki.command_handlers import Answer, GainsDesk, Reply, done, failed
+from cliffscan.services.kobuki.config import KobukiConfig
+from cliffscan.services.kobuki.kinematics import METRES_PER_TICK
+from cliffscan.services.kobuki.odometry import Estimate, Odometry
+from cliffscan.services.kobuki.peripherals import Outlets
+from cliffscan.services.kobuki.port import PortLost
+from cliffscan.services.kobuki.protocol import commands
+from cliffscan.services.kobuki.protocol.frames import FrameParser
+from cliffscan.services.kobuki.protocol.handshake import Handshake
+from cliffscan.services.kobuki.protocol.packets import Feedback, decode
+from cliffscan.services.kobuki.protocol.sensors import Core
+from cliffscan.services.kobuki.protocol.versions import has_gains
 
 TICK = 0.03  # [s] between decisions when the base is silent; it is not while it sends its packet every 0.02 s
 SILENT = 0.2  # [s] in which the base's clock stood still

@@ -9,19 +9,20 @@ from __future__ import annotations
 import math
 import time
 
-from common import topics
-from common.base_messages import Velocity
-from common.description import BodyDescription, RobotDescription
-from common.message import MessageError
-from common.messages import LaserScan
-from common.service import Service
-from services.kobuki import commands, reports
-from services.kobuki.config import KobukiConfig
-from services.kobuki.controller import TICK, BaseController
-from services.kobuki.desk import Answer, Desk, done, no_desk
-from services.kobuki.jobs import Job, Jobs
-from services.kobuki.news import News
-from services.kobuki.port import Port, PortLost
+from cliffscan.common.contract import topics
+from cliffscan.common.contract.base_messages import Velocity
+from cliffscan.common.contract.description import BodyDescription, RobotDescription
+from cliffscan.common.contract.message import MessageError
+from cliffscan.common.contract.messages import LaserScan
+from cliffscan.common.runtime.service import Service
+from cliffscan.services.kobuki import reports
+from cliffscan.services.kobuki.command_handlers import Answer, Desk, done, no_desk
+from cliffscan.services.kobuki.config import KobukiConfig
+from cliffscan.services.kobuki.controller import TICK, BaseController
+from cliffscan.services.kobuki.port import Port, PortLost
+from cliffscan.services.kobuki.protocol import commands
+from cliffscan.services.kobuki.publishers import News
+from cliffscan.services.kobuki.wakeable_queue import Job, Jobs
 
 BEAT = 0.05  # [s] between two heartbeats for the guard
 REPORT = 1.0  # [s] between two reports of an unchanged rule

@@ -16,11 +16,18 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from services.kobuki.covariance import Covariance
-from services.kobuki.kinematics import METRES_PER_TICK, WHEEL_SEPARATION
-from services.kobuki.packets import CENTIDEGREE
-from services.kobuki.sensors import Core, Inertia
-from services.kobuki.steps import ClockLead, Contradiction, Discontinuity, Reading, Step, step_between
+from cliffscan.services.kobuki.covariance import Covariance
+from cliffscan.services.kobuki.kinematics import METRES_PER_TICK, WHEEL_SEPARATION
+from cliffscan.services.kobuki.odometry_increment import (
+    ClockLead,
+    Contradiction,
+    Discontinuity,
+    Reading,
+    Step,
+    step_between,
+)
+from cliffscan.services.kobuki.protocol.packets import CENTIDEGREE
+from cliffscan.services.kobuki.protocol.sensors import Core, Inertia
 
 LENGTH_BY_LENGTH = 1e-4  # [m² / m]
 GYRO_BY_TURN = 1e-4  # [rad² / rad]

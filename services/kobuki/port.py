@@ -13,8 +13,8 @@ from pathlib import Path
 
 import serial
 
-from services.kobuki import guard
-from services.kobuki.commands import base_control
+from cliffscan.services.kobuki import guard
+from cliffscan.services.kobuki.protocol.commands import base_control
 
 BAUD = 115_200
 GUARD_PATIENCE = 1.0  # [s] for its last stops

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from common.base_messages import BaseState, Imu, Odometry, SafetyState
-from services.kobuki.battery import FULL, full_voltage, percentage
-from services.kobuki.odometry import Estimate
-from services.kobuki.packets import Feedback
-from services.kobuki.safety import Decision
-from services.kobuki.sensors import (
+from cliffscan.common.contract.base_messages import BaseState, Imu, Odometry, SafetyState
+from cliffscan.safety.gate import Decision
+from cliffscan.services.kobuki.battery import FULL, full_voltage, percentage
+from cliffscan.services.kobuki.odometry import Estimate
+from cliffscan.services.kobuki.protocol.packets import Feedback
+from cliffscan.services.kobuki.protocol.sensors import (
     Bumper,
     Button,
     Charger,

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import threading
 
-from common import topics
-from common.combine import combine
-from common.scans import BLANK, laser_scan
-from common.service import Service, main
-from services.negative.config import NegativeConfig
-from services.negative.methods import RUN, beams_by_method
+from cliffscan.common.contract import topics
+from cliffscan.common.perception.combine import combine
+from cliffscan.common.perception.scans import BLANK, laser_scan
+from cliffscan.common.runtime.service import Service, main
+from cliffscan.services.negative.config import NegativeConfig
+from cliffscan.services.negative.methods import RUN, beams_by_method
 
 
 def serve(service: Service[NegativeConfig]) -> None:

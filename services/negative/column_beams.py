@@ -6,9 +6,9 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from common.combine import Beams
-from common.geometry import Floats
-from common.grid import Grid
+from cliffscan.common.contract.beam_grid import Grid
+from cliffscan.common.contract.camera import Floats
+from cliffscan.common.perception.combine import Beams
 
 
 def beams_of_columns(

@@ -7,9 +7,9 @@ import math
 import numpy as np
 from numba import njit
 
-from common.geometry import Affine, Floats
-from common.points import Metres
-from services.negative.floor_trace import End
+from cliffscan.common.contract.camera import Affine, Floats
+from cliffscan.common.perception.point_heights import Metres
+from cliffscan.services.negative.floor_following import End
 
 DROP, LOST, UNSEEN = np.float32(End.DROP), np.float32(End.LOST), np.float32(End.UNSEEN)
 SIDE = 4  # columns to either side whose floor levels a column's is averaged with,

@@ -6,12 +6,12 @@ from typing import Annotated, ClassVar, Literal, Self
 
 from pydantic import Field, model_validator
 
-from common.config import Profiles
-from common.geometry import Camera
-from common.message import ListAsTuple
-from common.scans import ScanConfig, steepest_rise
-from services.negative.floor_trace import Limits
-from services.negative.near_edge import FloorLost
+from cliffscan.common.contract.camera import Camera
+from cliffscan.common.contract.message import ListAsTuple
+from cliffscan.common.perception.scans import ScanConfig, steepest_rise
+from cliffscan.common.runtime.config import Profiles
+from cliffscan.services.negative.floor_following import Limits
+from cliffscan.services.negative.near_edge import FloorLost
 
 Method = Literal["farthest_point", "virtual_floor", "near_edge"]
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from common.grid import Grid
-from common.points import Metres, Points
-from common.sight import NOTHING, Indices, Ranges, least, sight_of
+from cliffscan.common.contract.beam_grid import Grid
+from cliffscan.common.perception.beam_reduction import NOTHING, Indices, Ranges, least, sight_of
+from cliffscan.common.perception.point_heights import Metres, Points
 
 
 def farthest_point(points: Points, grid: Grid, floor_band: float) -> Ranges:

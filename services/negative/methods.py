@@ -4,15 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 
-from common.combine import Beams
-from common.evidence import Evidence
-from common.messages import DepthImage
-from common.points import Points
-from common.scans import points
-from services.negative.config import Method, NegativeConfig
-from services.negative.farthest_point import farthest_point
-from services.negative.near_edge import near_edge
-from services.negative.virtual_floor import virtual_floor
+from cliffscan.common.contract.evidence import Evidence
+from cliffscan.common.contract.messages import DepthImage
+from cliffscan.common.perception.combine import Beams
+from cliffscan.common.perception.point_heights import Points
+from cliffscan.common.perception.scans import points
+from cliffscan.services.negative.config import Method, NegativeConfig
+from cliffscan.services.negative.farthest_point import farthest_point
+from cliffscan.services.negative.near_edge import near_edge
+from cliffscan.services.negative.virtual_floor import virtual_floor
 
 
 def _farthest_point(seen: Points, config: NegativeConfig) -> Beams:

@@ -12,15 +12,15 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from common.combine import Beams
-from common.evidence import Evidence
-from common.grid import Grid
-from common.points import Points
-from common.view import View
-from services.negative.column_beams import beams_of_columns
-from services.negative.column_edges import places, take_back
-from services.negative.floor_trace import End, Limits, floor_trace
-from services.negative.shadow import shadowed
+from cliffscan.common.contract.beam_grid import Grid
+from cliffscan.common.contract.evidence import Evidence
+from cliffscan.common.perception.combine import Beams
+from cliffscan.common.perception.image_region import View
+from cliffscan.common.perception.point_heights import Points
+from cliffscan.services.negative.column_beams import beams_of_columns
+from cliffscan.services.negative.column_edges import places, take_back
+from cliffscan.services.negative.floor_following import End, Limits, floor_trace
+from cliffscan.services.negative.shadow import shadowed
 
 FloorLost = Literal["counts", "beside_drop", "ignored"]
 

@@ -6,8 +6,8 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from common.geometry import Affine
-from common.points import Metres
+from cliffscan.common.contract.camera import Affine
+from cliffscan.common.perception.point_heights import Metres
 
 SLACK = 2.0  # columns by which its border is uncertain
 BESIDE = 3  # columns next to the trace that its border may cross between two rows

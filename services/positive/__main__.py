@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from common import topics
-from common.combine import Beams
-from common.evidence import Evidence
-from common.messages import DepthImage
-from common.scans import BLANK, laser_scan, points
-from common.service import Service, main
-from services.positive.config import PositiveConfig
-from services.positive.projection import projection
+from cliffscan.common.contract import topics
+from cliffscan.common.contract.evidence import Evidence
+from cliffscan.common.contract.messages import DepthImage
+from cliffscan.common.perception.combine import Beams
+from cliffscan.common.perception.scans import BLANK, laser_scan, points
+from cliffscan.common.runtime.service import Service, main
+from cliffscan.services.positive.config import PositiveConfig
+from cliffscan.services.positive.projection import projection
 
 
 def obstacles(image: DepthImage, config: PositiveConfig) -> Beams:

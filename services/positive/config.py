@@ -6,8 +6,8 @@ from typing import Annotated, ClassVar, Self
 
 from pydantic import Field, model_validator
 
-from common.config import Profiles
-from common.scans import ScanConfig, steepest_rise
+from cliffscan.common.perception.scans import ScanConfig, steepest_rise
+from cliffscan.common.runtime.config import Profiles
 
 
 class PositiveConfig(ScanConfig):

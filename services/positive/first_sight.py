@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from common.points import Metres
+from cliffscan.common.perception.point_heights import Metres
 
 BASE = np.float32(1 / 3)  # of the distance, over which a ramp shows that it goes on rising
 UNEVEN = np.float32(0.004)  # [m] that its points may be off

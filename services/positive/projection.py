@@ -9,10 +9,10 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from common.grid import Grid
-from common.points import Metres, Points
-from common.sight import LOOKED, NOTHING, Indices, Ranges, least, sight_of
-from services.positive.first_sight import first_floor
+from cliffscan.common.contract.beam_grid import Grid
+from cliffscan.common.perception.beam_reduction import LOOKED, NOTHING, Indices, Ranges, least, sight_of
+from cliffscan.common.perception.point_heights import Metres, Points
+from cliffscan.services.positive.first_sight import first_floor
 
 ACROSS = np.float32(0.2)  # [m] of unseen floor over which it may rise
 CLOSE = np.float32(0.02)  # [m] above a ramp, from where on a point is no longer taken for one

@@ -8,15 +8,15 @@ import signal
 import threading
 from pathlib import Path
 
-from simulator.kobuki.base import Base
-from simulator.kobuki.cable import Cable, CableError
-from simulator.kobuki.drive import RampedWheels, WheelModel
-from simulator.kobuki.firmware import DEAD_TIME, Firmware
-from simulator.kobuki.kinematics import Wheels
-from simulator.kobuki.line import Line
-from simulator.kobuki.runner import Runner, run
-from simulator.kobuki.server import ControlServer, ServerError
-from simulator.kobuki.versions import Identity, Version
+from cliffscan.simulator.kobuki.base import Base
+from cliffscan.simulator.kobuki.cable import Cable, CableError
+from cliffscan.simulator.kobuki.drive import RampedWheels, WheelModel
+from cliffscan.simulator.kobuki.firmware import DEAD_TIME, Firmware
+from cliffscan.simulator.kobuki.kinematics import Wheels
+from cliffscan.simulator.kobuki.line import Line
+from cliffscan.simulator.kobuki.runner import Runner, run
+from cliffscan.simulator.kobuki.server import ControlServer, ServerError
+from cliffscan.simulator.kobuki.versions import Identity, Version
 
 USAGE_ERROR = 2
 

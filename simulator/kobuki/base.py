@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from simulator.kobuki.commands import Command
-from simulator.kobuki.firmware import Firmware
-from simulator.kobuki.line import Line
-from simulator.kobuki.ticker import SECOND, nanoseconds
+from cliffscan.simulator.kobuki.commands import Command
+from cliffscan.simulator.kobuki.firmware import Firmware
+from cliffscan.simulator.kobuki.line import Line
+from cliffscan.simulator.kobuki.ticker import SECOND, nanoseconds
 
 
 class Base:

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from simulator.kobuki.control import ControlError
+from cliffscan.simulator.kobuki.control import ControlError
 
 PATIENCE = 10.0  # [s]
 

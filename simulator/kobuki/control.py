@@ -6,12 +6,12 @@ import json
 import math
 from collections.abc import Callable
 
-from simulator.kobuki.base import Base
-from simulator.kobuki.drive import RampedWheels, WheelModel
-from simulator.kobuki.kinematics import Wheels
-from simulator.kobuki.report import report
-from simulator.kobuki.sensors import CHARGER
-from simulator.kobuki.versions import Version
+from cliffscan.simulator.kobuki.base import Base
+from cliffscan.simulator.kobuki.drive import RampedWheels, WheelModel
+from cliffscan.simulator.kobuki.kinematics import Wheels
+from cliffscan.simulator.kobuki.report import report
+from cliffscan.simulator.kobuki.sensors import CHARGER
+from cliffscan.simulator.kobuki.versions import Version
 
 Handler = Callable[[Base, list[str]], None]
 

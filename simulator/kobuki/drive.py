@@ -7,7 +7,7 @@ import random
 from dataclasses import dataclass
 from typing import NamedTuple, Protocol
 
-from simulator.kobuki.kinematics import REST, TRACK, Wheels, clamp
+from cliffscan.simulator.kobuki.kinematics import REST, TRACK, Wheels, clamp
 
 
 class Pose(NamedTuple):

@@ -6,8 +6,8 @@ import struct
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from simulator.kobuki.sensors import SIDES, Sensors
-from simulator.kobuki.versions import Identity, firmware_bytes, version_bytes
+from cliffscan.simulator.kobuki.sensors import SIDES, Sensors
+from cliffscan.simulator.kobuki.versions import Identity, firmware_bytes, version_bytes
 
 Triple = tuple[int, int, int]
 

@@ -6,17 +6,17 @@ import math
 from collections import Counter
 from dataclasses import dataclass, field, replace
 
-from simulator.kobuki import feedback
-from simulator.kobuki.commands import BaseControl, Command, GetGains, Output, Request, SetGains, decode
-from simulator.kobuki.drive import Drive, RampedWheels
-from simulator.kobuki.feedback import FACTORY_GAINS, Gains, SubPayload
-from simulator.kobuki.frames import FrameFinder, frame
-from simulator.kobuki.gyro import Gyro
-from simulator.kobuki.kinematics import REST, Wheels, clamp, ticks, wheel_speeds
-from simulator.kobuki.motors import Motors
-from simulator.kobuki.sensors import Sensors
-from simulator.kobuki.ticker import SECOND, Ticker, nanoseconds
-from simulator.kobuki.versions import FIRST_WITH_GAINS, FIRST_WITH_LENGTHS, Identity, Version
+from cliffscan.simulator.kobuki import feedback
+from cliffscan.simulator.kobuki.commands import BaseControl, Command, GetGains, Output, Request, SetGains, decode
+from cliffscan.simulator.kobuki.drive import Drive, RampedWheels
+from cliffscan.simulator.kobuki.feedback import FACTORY_GAINS, Gains, SubPayload
+from cliffscan.simulator.kobuki.frames import FrameFinder, frame
+from cliffscan.simulator.kobuki.gyro import Gyro
+from cliffscan.simulator.kobuki.kinematics import REST, Wheels, clamp, ticks, wheel_speeds
+from cliffscan.simulator.kobuki.motors import Motors
+from cliffscan.simulator.kobuki.sensors import Sensors
+from cliffscan.simulator.kobuki.ticker import SECOND, Ticker, nanoseconds
+from cliffscan.simulator.kobuki.versions import FIRST_WITH_GAINS, FIRST_WITH_LENGTHS, Identity, Version
 
 PACKET_PERIOD = 20_000_000  # [ns]
 SUPPLIES_ON = 0x00F0  # the outputs at power-on

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 
-from simulator.kobuki.drive import Drive, Rates
-from simulator.kobuki.feedback import Triple
-from simulator.kobuki.ticker import Ticker
+from cliffscan.simulator.kobuki.drive import Drive, Rates
+from cliffscan.simulator.kobuki.feedback import Triple
+from cliffscan.simulator.kobuki.ticker import Ticker
 
 PERIOD = 9_615_384  # [ns] 104 Hz, as users measure it: a packet of 20 ms holds 2 samples, every thirteenth 3
 DIGIT = math.radians(0.00875)  # [rad/s] of a raw sample

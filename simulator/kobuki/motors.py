@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections import deque
 
-from simulator.kobuki.drive import Drive
-from simulator.kobuki.kinematics import REST, Wheels
-from simulator.kobuki.ticker import SECOND
+from cliffscan.simulator.kobuki.drive import Drive
+from cliffscan.simulator.kobuki.kinematics import REST, Wheels
+from cliffscan.simulator.kobuki.ticker import SECOND
 
 
 class Motors:

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from dataclasses import asdict
 
-from simulator.kobuki.base import Base
-from simulator.kobuki.commands import Command
-from simulator.kobuki.firmware import Firmware
+from cliffscan.simulator.kobuki.base import Base
+from cliffscan.simulator.kobuki.commands import Command
+from cliffscan.simulator.kobuki.firmware import Firmware
 
 Fields = dict[str, object]
 

@@ -7,11 +7,11 @@ import threading
 import time
 from collections.abc import Callable
 
-from simulator.kobuki import control
-from simulator.kobuki.base import Base
-from simulator.kobuki.cable import Cable
-from simulator.kobuki.report import Fields, fields
-from simulator.kobuki.server import ControlServer
+from cliffscan.simulator.kobuki import control
+from cliffscan.simulator.kobuki.base import Base
+from cliffscan.simulator.kobuki.cable import Cable
+from cliffscan.simulator.kobuki.report import Fields, fields
+from cliffscan.simulator.kobuki.server import ControlServer
 
 LOOK = 0.02  # [s] after which to look, at the latest, whether a driver came
 

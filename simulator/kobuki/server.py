@@ -8,8 +8,8 @@ import socket
 from collections.abc import Callable
 from pathlib import Path
 
-from simulator.kobuki.control import ControlError
-from simulator.kobuki.report import Fields
+from cliffscan.simulator.kobuki.control import ControlError
+from cliffscan.simulator.kobuki.report import Fields
 
 LONGEST_LINE = 1000  # [bytes]
 READ_SIZE = 4096  # [bytes]

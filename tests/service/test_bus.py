@@ -10,8 +10,8 @@ import psutil
 import pytest
 import zenoh
 
-from common.bus import Bus, Network
-from common.topics import VELOCITY
+from cliffscan.common.contract.topics import VELOCITY
+from cliffscan.common.runtime.bus import Bus, Network
 from tests.service.conftest import DEADLINE
 
 NOT_LATE = 1.0  # [s] that a single answer may take in a flood; without rings it takes ten

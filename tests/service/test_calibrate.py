@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from common.geometry import FloorPlane
+from cliffscan.common.contract.camera import FloorPlane
 from tests import scenes
 from tests.service.test_command import ask
 

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from common.messages import DepthImage
-from simulator import wire
-from simulator.frame_server import FrameServer
+from cliffscan.common.contract.messages import DepthImage
+from cliffscan.simulator import wire
+from cliffscan.simulator.frame_server import FrameServer
 from tests import scenes
 from tests.fakenect_session import library_folder, session_environment, write_session
 from tests.service.conftest import intensities, ranges

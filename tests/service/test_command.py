@@ -11,7 +11,7 @@ import time
 import pytest
 
 from cliffscan.cli import HOST
-from common.config import SERVICES
+from cliffscan.common.runtime.config import SERVICES
 from tests.service.conftest import DEADLINE, free_endpoint
 
 

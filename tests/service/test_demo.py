@@ -140,7 +140,7 @@ def test_ctrl_c_ends_everything(long_run):
 
 def test_a_service_that_dies_ends_everything_with_exit_1(long_run):
     process, log, started = long_run
-    next(each for each in started if "services.positive" in each.cmdline()).kill()
+    next(each for each in started if "cliffscan.services.positive" in each.cmdline()).kill()
     stdout, stderr = process.communicate(timeout=30)
     assert process.returncode == 1
     assert f"demo: positive died; everything has been ended; the services' own words: {log}" in stderr

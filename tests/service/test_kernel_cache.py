@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from common import kernel_cache
+from cliffscan.common.runtime import kernel_cache
 
 ROOT = Path(__file__).parents[2]
 

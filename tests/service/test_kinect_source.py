@@ -9,10 +9,10 @@ from queue import Empty, Queue
 import numpy as np
 import pytest
 
-from common.geometry import Camera
-from services.capture import kinect, libfreenect
-from services.capture.kinect import Kinect
-from services.capture.source import BadFrame, SourceLost
+from cliffscan.common.contract.camera import Camera
+from cliffscan.services.capture.sources import kinect, libfreenect
+from cliffscan.services.capture.sources.depth_source import BadFrame, SourceLost
+from cliffscan.services.capture.sources.kinect import Kinect
 from tests.fakenect_session import (
     CAMERA,
     library_folder,

@@ -10,8 +10,8 @@ import sys
 import pytest
 import serial
 
-from simulator.kobuki.client import Remote
-from simulator.kobuki.control import ControlError
+from cliffscan.simulator.kobuki.client import Remote
+from cliffscan.simulator.kobuki.control import ControlError
 from tests.unit.kobuki_emulator.packets import command, decoded, drive
 
 DEADLINE = 30.0  # [s] after which a fact that did not come will not come

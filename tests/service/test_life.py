@@ -7,7 +7,7 @@ import tomllib
 
 import pytest
 
-from common.config import SENSING, SERVICES
+from cliffscan.common.runtime.config import SENSING, SERVICES
 from tests.service.conftest import free_endpoint
 
 

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from common.geometry import FloorPlane
-from common.grid import Grid
+from cliffscan.common.contract.beam_grid import Grid
+from cliffscan.common.contract.camera import FloorPlane
 from tests import naive, naive_positive, scenes
 from tests.service.conftest import image, intensities, ranges
 

@@ -6,8 +6,8 @@ import sys
 import numpy as np
 import pytest
 
-from common.messages import DepthImage
-from simulator.kobuki.client import Remote
+from cliffscan.common.contract.messages import DepthImage
+from cliffscan.simulator.kobuki.client import Remote
 from tests.service.conftest import DEADLINE, free_endpoint
 
 

@@ -7,7 +7,7 @@ import sys
 import numpy as np
 import pytest
 
-from common.map_messages import OccupancyGrid
+from cliffscan.common.contract.map_messages import OccupancyGrid
 from examples.slam import map_files
 from tests.unit.examples import page
 from tests.unit.examples.room import ROOM, START, Pose, Room, box, drifting, lap, odometry_fields

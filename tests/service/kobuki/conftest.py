@@ -6,7 +6,7 @@ import time
 import numpy as np
 import pytest
 
-from simulator.kobuki.client import Remote
+from cliffscan.simulator.kobuki.client import Remote
 from tests.service.conftest import DEADLINE, scan
 
 

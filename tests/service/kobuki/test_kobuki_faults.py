@@ -7,7 +7,7 @@ import time
 import numpy as np
 import pytest
 
-from simulator.kobuki.client import Remote
+from cliffscan.simulator.kobuki.client import Remote
 
 
 def test_garbage_and_cuts_do_not_matter(base):

@@ -8,7 +8,7 @@ import msgpack
 import numpy as np
 import pytest
 
-from common.description import CameraDescription, RobotDescription
+from cliffscan.common.contract.description import CameraDescription, RobotDescription
 from tests.service.conftest import DEADLINE, scan
 
 SECOND = 10**9  # [ns]

@@ -6,7 +6,7 @@ import pytest
 from benchmarks.accuracy.figures import Figures
 from benchmarks.accuracy.score import Tally, Verdict, judge
 from benchmarks.accuracy.truth import EARLY, Truth
-from common.combine import NOT_TOLD, Beams
+from cliffscan.common.perception.combine import NOT_TOLD, Beams
 
 INF, NAN = np.inf, np.nan
 

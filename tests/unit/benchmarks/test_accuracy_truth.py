@@ -10,8 +10,8 @@ from benchmarks.accuracy.frames import Sensor
 from benchmarks.accuracy.scans import ANGLES
 from benchmarks.accuracy.sight import floor_points, pixels, row_spacing
 from benchmarks.accuracy.truth import truth_of
-from common.geometry import scan_axes
-from simulator.kinect import KinectModel, returns
+from cliffscan.common.contract.camera import scan_axes
+from cliffscan.simulator.kinect import KinectModel, returns
 
 FLAT = 1e-3  # [m]
 SEEDS = range(6)

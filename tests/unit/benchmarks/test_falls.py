@@ -15,10 +15,10 @@ from benchmarks.falls.records import write
 from benchmarks.falls.report import report
 from benchmarks.falls.sight import ENOUGH, MOST
 from benchmarks.falls.trial import Trial
-from common.messages import LaserScan
-from services.kobuki.config import KobukiConfig
-from services.kobuki.safety import REST, Decision
-from simulator.world import Pose, World
+from cliffscan.common.contract.messages import LaserScan
+from cliffscan.safety.gate import REST, Decision
+from cliffscan.services.kobuki.config import KobukiConfig
+from cliffscan.simulator.world import Pose, World
 
 HOLE = 8  # a world in which the driver soon wants to cross a hole
 

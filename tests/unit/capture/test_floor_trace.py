@@ -5,7 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 
-from services.capture.floor_trace import before_second, bits, flags, misses, run, support
+from cliffscan.services.capture.floor.plane_support import before_second, bits, flags, misses, run, support
 
 RINGS = 64
 FLAGS = arrays.arrays(np.bool_, (3, RINGS))

@@ -10,9 +10,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 
-from common.geometry import Camera, FloorPlane, axes, check_camera
-from services.capture.floor_tracker import FloorTracker
-from services.capture.replay import read_camera, read_depth
+from cliffscan.common.contract.camera import Camera, FloorPlane, axes, check_camera
+from cliffscan.services.capture.floor.tracker import FloorTracker
+from cliffscan.services.capture.sources.replay import read_camera, read_depth
 from tests import scenes
 
 REAL = Path(__file__).parents[4] / "shared/data/real"

@@ -6,14 +6,15 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from common.config import ConfigError
-from common.description import CameraDescription
-from common.geometry import FloorPlane
-from common.messages import DepthImage
-from services.capture import __main__ as capture
-from services.capture import description, frozen
-from services.capture.config import CaptureConfig
-from services.capture.source import BadFrame, DepthFrame, SourceEnded, SourceLost
+from cliffscan.common.contract.camera import FloorPlane
+from cliffscan.common.contract.description import CameraDescription
+from cliffscan.common.contract.messages import DepthImage
+from cliffscan.common.runtime.config import ConfigError
+from cliffscan.services.capture import __main__ as capture
+from cliffscan.services.capture import description
+from cliffscan.services.capture.config import CaptureConfig
+from cliffscan.services.capture.sources import frozen
+from cliffscan.services.capture.sources.depth_source import BadFrame, DepthFrame, SourceEnded, SourceLost
 from tests import build, scenes
 
 CAMERA = build.camera(4, 3, 4.0)

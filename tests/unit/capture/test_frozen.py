@@ -7,11 +7,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from common.tally import Tally
-from services.capture import frozen
-from services.capture.frozen import PATIENCE, FrozenWatch
-from services.capture.source import SourceLost
-from simulator.camera import SimulatedKinect
+from cliffscan.common.runtime.metrics import Tally
+from cliffscan.services.capture.sources import frozen
+from cliffscan.services.capture.sources.depth_source import SourceLost
+from cliffscan.services.capture.sources.frozen import PATIENCE, FrozenWatch
+from cliffscan.simulator.camera import SimulatedKinect
 from tests import build  # noqa: F401  the profile of the property tests
 
 PERIOD = 1 / 32  # [s], which binary numbers hold exactly

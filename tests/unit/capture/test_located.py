@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from common.geometry import FloorPlane
-from services.capture.__main__ import located
-from services.capture.config import CaptureConfig
-from services.capture.source import DepthFrame
+from cliffscan.common.contract.camera import FloorPlane
+from cliffscan.services.capture.__main__ import located
+from cliffscan.services.capture.config import CaptureConfig
+from cliffscan.services.capture.sources.depth_source import DepthFrame
 from tests import build, scenes
 
 TRUE = FloorPlane.from_mount(0.30)

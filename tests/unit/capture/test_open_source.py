@@ -5,10 +5,10 @@ import sys
 
 import pytest
 
-from common.config import ConfigError
-from common.geometry import check_camera
-from services.capture.config import CaptureConfig
-from services.capture.open_source import KINDS, open_source
+from cliffscan.common.contract.camera import check_camera
+from cliffscan.common.runtime.config import ConfigError
+from cliffscan.services.capture.config import CaptureConfig
+from cliffscan.services.capture.sources.open_source import KINDS, open_source
 from tests.build import camera, depth_folder
 
 
@@ -45,9 +45,9 @@ def test_a_folder_that_is_not_there_can_never_be_opened(path, tmp_path, monkeypa
     [("replay", "PIL", r"pip install 'cliffscan\[capture\]'"), ("simulator", "mujoco", r"cliffscan\[simulator\]")],
 )
 def test_a_missing_library_is_named_with_the_extra_that_brings_it(source, missing, remedy, monkeypatch):
-    module = "services.capture." + {"replay": "replay", "simulator": "simulated"}[source]
+    module = "cliffscan.services.capture.sources." + {"replay": "replay", "simulator": "simulated"}[source]
     for name in list(sys.modules):
-        if name == module or name.split(".")[0] in (missing, "simulator"):
+        if name == module or name.split(".")[0] == missing or name.startswith("cliffscan.simulator"):
             monkeypatch.delitem(sys.modules, name)
     monkeypatch.setitem(sys.modules, missing, None)
     with pytest.raises(ConfigError, match=remedy) as refused:

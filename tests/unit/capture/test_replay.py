@@ -6,12 +6,12 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from common.config import ConfigError
-from services.capture import replay
-from services.capture.config import CaptureConfig
-from services.capture.open_source import open_source
-from services.capture.replay import Replay
-from services.capture.source import BadFrame, SourceEnded
+from cliffscan.common.runtime.config import ConfigError
+from cliffscan.services.capture.config import CaptureConfig
+from cliffscan.services.capture.sources import replay
+from cliffscan.services.capture.sources.depth_source import BadFrame, SourceEnded
+from cliffscan.services.capture.sources.open_source import open_source
+from cliffscan.services.capture.sources.replay import Replay
 from tests import build
 from tests.build import GONE, SECOND, depth_folder
 

@@ -11,8 +11,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from PIL import Image
 
-from services.capture.replay import Replay, read_depth
-from services.capture.source import BadFrame
+from cliffscan.services.capture.sources.depth_source import BadFrame
+from cliffscan.services.capture.sources.replay import Replay, read_depth
 from tests import scenes
 from tests.build import depth_folder
 

@@ -10,8 +10,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from cliffscan.calibrate import NotMeasured, measure
-from common.geometry import FloorPlane
-from common.messages import DepthImage
+from cliffscan.common.contract.camera import FloorPlane
+from cliffscan.common.contract.messages import DepthImage
 from tests import scenes
 
 TRUE = (0.345, math.radians(12.3), math.radians(-1.4))

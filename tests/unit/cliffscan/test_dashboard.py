@@ -7,11 +7,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from cliffscan.common.contract.base_messages import BaseState, Odometry, Rule, SafetyState
 from cliffscan.dashboard import ORDINARY, Aged, Line, View, lines, screen
 from cliffscan.keys import (
     Motion,
 )
-from common.base_messages import BaseState, Odometry, Rule, SafetyState
 
 UP, DOWN, RIGHT, LEFT = (b"\x1b[" + letter for letter in (b"A", b"B", b"C", b"D"))
 

@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from cliffscan.common.contract.messages import DepthImage, LaserScan, ServiceStatus
 from cliffscan.show import line
-from common.messages import DepthImage, LaserScan, ServiceStatus
 from tests import build
 from tests.build import scan
 

@@ -7,10 +7,10 @@ import pytest
 from rich.console import Console
 
 from cliffscan.clocks import Clocks
+from cliffscan.common.contract.messages import ServiceStatus
+from cliffscan.common.runtime.config import SERVICES
 from cliffscan.health import Heard, examine
 from cliffscan.status import picture
-from common.config import SERVICES
-from common.messages import ServiceStatus
 
 NOW = 100.0
 

@@ -9,13 +9,13 @@ from pathlib import Path
 import pytest
 
 from cliffscan.cli import build_parser, plan_of
+from cliffscan.common.runtime import options
+from cliffscan.common.runtime.config import SERVICES, ConfigError
 from cliffscan.preflight import check_free
+from cliffscan.simulator.__main__ import options as simulator_options
+from cliffscan.simulator.world_names import world_names
 from cliffscan.system import Plan
 from cliffscan.welcome import welcome
-from common import options
-from common.config import SERVICES, ConfigError
-from simulator.__main__ import options as simulator_options
-from simulator.world_names import world_names
 
 
 def option(command, name):
@@ -32,7 +32,7 @@ def test_the_router_listens_and_joins():
 
 def test_a_service_is_a_client_of_the_router_on_this_machine():
     words = "--robot turtlebot --mode client --connect tcp/127.0.0.1:7447"
-    assert Plan().service("negative") == [sys.executable, "-m", "services.negative", *words.split()]
+    assert Plan().service("negative") == [sys.executable, "-m", "cliffscan.services.negative", *words.split()]
 
 
 @pytest.mark.parametrize(

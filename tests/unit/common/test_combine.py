@@ -8,8 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.testing import assert_array_equal
 
-from common.combine import Beams, combine
-from common.evidence import Evidence
+from cliffscan.common.contract.evidence import Evidence
+from cliffscan.common.perception.combine import Beams, combine
 from tests import naive
 
 INF, NAN = math.inf, math.nan

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 from numpy.testing import assert_array_equal
 
-from common.combine import Beams, combine
-from common.depth_codec import RAW
-from common.geometry import FloorPlane
-from common.messages import DepthImage
-from services.negative.__main__ import serve
-from services.negative.config import NegativeConfig
+from cliffscan.common.contract.camera import FloorPlane
+from cliffscan.common.contract.depth_codec import RAW
+from cliffscan.common.contract.messages import DepthImage
+from cliffscan.common.perception.combine import Beams, combine
+from cliffscan.services.negative.__main__ import serve
+from cliffscan.services.negative.config import NegativeConfig
 from tests import build, scenes
 
 CAMERA = scenes.camera(floor=FloorPlane.from_mount(0.3, math.radians(12)))

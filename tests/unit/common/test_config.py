@@ -4,11 +4,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from common.config import ConfigError, dump, load
-from services.capture.config import CaptureConfig
-from services.fuse.config import FuseConfig
-from services.negative.config import NegativeConfig
-from services.positive.config import PositiveConfig
+from cliffscan.common.runtime.config import ConfigError, dump, load
+from cliffscan.services.capture.config import CaptureConfig
+from cliffscan.services.fuse.config import FuseConfig
+from cliffscan.services.negative.config import NegativeConfig
+from cliffscan.services.positive.config import PositiveConfig
 
 KINDS = {"capture": CaptureConfig, "negative": NegativeConfig, "positive": PositiveConfig, "fuse": FuseConfig}
 LIDAR = "fuse.inputs.lidar.key=scan/lidar"

@@ -2,8 +2,8 @@
 
 import pytest
 
-from common.config import ConfigError, load
-from services.capture.config import CaptureConfig
+from cliffscan.common.runtime.config import ConfigError, load
+from cliffscan.services.capture.config import CaptureConfig
 
 LONG = "9" * 5000
 DEEP = "[" * 5000

@@ -7,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import array_shapes, arrays
 
-from common.depth_codec import ENCODINGS, LEVELS, RAW, decode, encode
+from cliffscan.common.contract.depth_codec import ENCODINGS, LEVELS, RAW, decode, encode
 from tests import scenes
 
 shapes = array_shapes(min_dims=2, max_dims=2, min_side=2, max_side=24)

@@ -8,9 +8,9 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from common.description import CameraDescription, RobotDescription
-from common.geometry import FloorPlane, scan_axes
-from common.message import MessageError
+from cliffscan.common.contract.camera import FloorPlane, scan_axes
+from cliffscan.common.contract.description import CameraDescription, RobotDescription
+from cliffscan.common.contract.message import MessageError
 from tests import build
 
 UPWARD, DOWN, SIDEWAYS = math.radians(-40), math.radians(40), math.pi / 2

@@ -9,7 +9,7 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
-from common.geometry import FloorPlane, Intrinsics, axes, check_camera, reach, scan_axes
+from cliffscan.common.contract.camera import FloorPlane, Intrinsics, axes, check_camera, reach, scan_axes
 from tests.build import camera
 
 heights = st.floats(0.05, 20)

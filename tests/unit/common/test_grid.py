@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
-from common.grid import Grid
+from cliffscan.common.contract.beam_grid import Grid
 
 grids = st.builds(
     lambda beams, middle, width: Grid.between(beams, middle - width / 2, middle + width / 2),

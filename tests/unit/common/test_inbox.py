@@ -5,7 +5,7 @@ import threading
 from hypothesis import given
 from hypothesis import strategies as st
 
-from common.inbox import Inbox
+from cliffscan.common.runtime.latest_queue import Inbox
 
 
 def test_an_empty_inbox_gives_nothing():

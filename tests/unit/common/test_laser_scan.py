@@ -8,11 +8,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.testing import assert_array_equal
 
-from common.combine import Beams
-from common.depth_codec import RAW
-from common.geometry import reach
-from common.messages import DepthImage, LaserScan
-from common.scans import BLANK, ScanConfig, laser_scan, points
+from cliffscan.common.contract.camera import reach
+from cliffscan.common.contract.depth_codec import RAW
+from cliffscan.common.contract.messages import DepthImage, LaserScan
+from cliffscan.common.perception.combine import Beams
+from cliffscan.common.perception.scans import BLANK, ScanConfig, laser_scan, points
 from tests.build import camera
 
 INF, NAN = math.inf, math.nan

@@ -10,15 +10,15 @@ import msgpack
 import numpy as np
 import pytest
 
-from common import limits, topics
-from common.base_messages import Imu, Odometry, Velocity
-from common.combine import Beams
-from common.config import ConfigError, load
-from common.depth_codec import LEVELS, RAW, encode
-from common.map_messages import OccupancyGrid
-from common.message import MessageError, unpack
-from common.messages import DepthImage, LaserScan, ServiceStatus
-from common.scans import ScanConfig, laser_scan
+from cliffscan.common.contract import limits, topics
+from cliffscan.common.contract.base_messages import Imu, Odometry, Velocity
+from cliffscan.common.contract.depth_codec import LEVELS, RAW, encode
+from cliffscan.common.contract.map_messages import OccupancyGrid
+from cliffscan.common.contract.message import MessageError, unpack
+from cliffscan.common.contract.messages import DepthImage, LaserScan, ServiceStatus
+from cliffscan.common.perception.combine import Beams
+from cliffscan.common.perception.scans import ScanConfig, laser_scan
+from cliffscan.common.runtime.config import ConfigError, load
 from tests import build
 
 STAMP = build.SECOND

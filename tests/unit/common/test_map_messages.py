@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
+from cliffscan.common.contract import topics
+from cliffscan.common.contract.map_messages import OccupancyGrid, Pose2D
+from cliffscan.common.contract.message import MessageError
 from cliffscan.show import line
-from common import topics
-from common.map_messages import OccupancyGrid, Pose2D
-from common.message import MessageError
 from tests.build import SECOND, payload
 
 CELLS = [-1, 0, 100, 50, 25, 65]

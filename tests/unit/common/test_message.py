@@ -10,9 +10,9 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import array_shapes, arrays
 
-from common.depth_codec import LEVELS, RAW
-from common.message import MessageError
-from common.messages import DepthImage, LaserScan, ServiceStatus
+from cliffscan.common.contract.depth_codec import LEVELS, RAW
+from cliffscan.common.contract.message import MessageError
+from cliffscan.common.contract.messages import DepthImage, LaserScan, ServiceStatus
 from tests import build
 
 KINDS = {DepthImage: build.depth_fields, LaserScan: build.scan_fields, ServiceStatus: build.status_fields}

@@ -8,9 +8,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from common import depth_codec
-from common.message import MessageError
-from common.messages import DepthImage, LaserScan, ServiceStatus
+from cliffscan.common.contract import depth_codec
+from cliffscan.common.contract.message import MessageError
+from cliffscan.common.contract.messages import DepthImage, LaserScan, ServiceStatus
 from tests import build
 from tests.build import GONE, SECOND
 

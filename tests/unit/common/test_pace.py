@@ -2,7 +2,7 @@
 
 import pytest
 
-from common.pace import Pace
+from cliffscan.common.runtime.pace import Pace
 
 
 def times(pace, count, now=100.0):

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
-from common.points import points_of
+from cliffscan.common.perception.point_heights import points_of
 from tests.build import camera
 
 FLAT = np.full((48, 64), 2000, np.uint16)

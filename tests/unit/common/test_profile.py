@@ -2,10 +2,10 @@
 
 import pytest
 
-from common.config import ConfigError, load
-from services.fuse.config import FuseConfig
-from services.negative.config import NegativeConfig
-from services.positive.config import PositiveConfig
+from cliffscan.common.runtime.config import ConfigError, load
+from cliffscan.services.fuse.config import FuseConfig
+from cliffscan.services.negative.config import NegativeConfig
+from cliffscan.services.positive.config import PositiveConfig
 
 PAPER = ("farthest_point", "virtual_floor")
 

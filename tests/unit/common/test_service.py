@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from common.depth_codec import ENCODINGS
-from common.messages import DepthImage
-from common.scans import ScanConfig
-from common.topics import DEPTH, SCAN_POSITIVE
+from cliffscan.common.contract.depth_codec import ENCODINGS
+from cliffscan.common.contract.messages import DepthImage
+from cliffscan.common.contract.topics import DEPTH, SCAN_POSITIVE
+from cliffscan.common.perception.scans import ScanConfig
 from tests import build
 
 BAD = {

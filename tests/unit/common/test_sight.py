@@ -7,9 +7,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from common.grid import Grid
-from common.sight import LOOKED, NOTHING, least, sight_of
-from common.view import view_of
+from cliffscan.common.contract.beam_grid import Grid
+from cliffscan.common.perception.beam_reduction import LOOKED, NOTHING, least, sight_of
+from cliffscan.common.perception.image_region import view_of
 from tests import naive
 from tests.build import camera
 

@@ -3,7 +3,7 @@
 from hypothesis import given
 from hypothesis import strategies as st
 
-from common.stream import StreamOrder
+from cliffscan.common.runtime.stream_order import StreamOrder
 
 
 def verdicts(*samples):

@@ -2,10 +2,10 @@
 
 import pytest
 
-from common import config
-from common.config import SERVICES, ConfigError
-from common.suggest import suggest
-from services.negative.config import NegativeConfig
+from cliffscan.common.runtime import config
+from cliffscan.common.runtime.config import SERVICES, ConfigError
+from cliffscan.common.runtime.suggest import suggest
+from cliffscan.services.negative.config import NegativeConfig
 
 
 @pytest.mark.parametrize(("word", "meant"), [("fuze", "fuse"), ("kobuky", "kobuki"), ("negatve", "negative")])

@@ -5,8 +5,8 @@ import threading
 
 import pytest
 
-from common import tally as module
-from common.tally import Tally
+from cliffscan.common.runtime import metrics as module
+from cliffscan.common.runtime.metrics import Tally
 
 
 class Clock:

@@ -2,9 +2,10 @@
 
 import pytest
 
-from common import options, topics
-from common.messages import DepthImage, LaserScan, ServiceStatus
-from common.topics import Qos
+from cliffscan.common.contract import topics
+from cliffscan.common.contract.messages import DepthImage, LaserScan, ServiceStatus
+from cliffscan.common.contract.topics import Qos
+from cliffscan.common.runtime import options
 
 
 @pytest.mark.parametrize(

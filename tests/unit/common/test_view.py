@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from common.view import view_of
+from cliffscan.common.perception.image_region import view_of
 from tests.build import camera
 
 IMAGE = np.arange(48 * 64, dtype=np.uint16).reshape(48, 64)

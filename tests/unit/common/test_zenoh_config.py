@@ -5,8 +5,8 @@ import json
 import pytest
 import zenoh
 
-from common.bus import Bus, BusError, Network
-from common.zenoh_config import DEFAULTS, build
+from cliffscan.common.runtime.bus import Bus, BusError, Network
+from cliffscan.common.runtime.zenoh_config import DEFAULTS, build
 
 
 def values(config, keys=DEFAULTS):

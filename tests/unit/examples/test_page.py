@@ -5,8 +5,8 @@ import math
 import msgpack
 import numpy as np
 
-from common.map_messages import Pose2D
-from common.messages import LaserScan
+from cliffscan.common.contract.map_messages import Pose2D
+from cliffscan.common.contract.messages import LaserScan
 from examples.slam import wire
 from examples.slam.pose import Pose
 from tests.unit.examples import page

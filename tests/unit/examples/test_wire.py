@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from numpy.testing import assert_array_equal
 
-from common.base_messages import Odometry
-from common.map_messages import OccupancyGrid, Pose2D
-from common.messages import LaserScan
+from cliffscan.common.contract.base_messages import Odometry
+from cliffscan.common.contract.map_messages import OccupancyGrid, Pose2D
+from cliffscan.common.contract.messages import LaserScan
 from examples.slam import wire
 from examples.slam.pose import Pose
 from tests.unit.examples.room import START, odometry_fields, payload, scan_fields

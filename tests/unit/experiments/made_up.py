@@ -2,16 +2,16 @@
 
 import numpy as np
 
-from common.combine import Beams, combine
-from common.depth_codec import RAW
-from common.evidence import Evidence
-from common.messages import DepthImage
-from common.points import points_of
-from common.scans import ScanConfig, laser_scan
+from cliffscan.common.contract.depth_codec import RAW
+from cliffscan.common.contract.evidence import Evidence
+from cliffscan.common.contract.messages import DepthImage
+from cliffscan.common.perception.combine import Beams, combine
+from cliffscan.common.perception.point_heights import points_of
+from cliffscan.common.perception.scans import ScanConfig, laser_scan
+from cliffscan.services.negative.farthest_point import farthest_point
+from cliffscan.services.negative.virtual_floor import virtual_floor
+from cliffscan.services.positive.projection import projection
 from experiments.frames import Frame, scan_paths
-from services.negative.farthest_point import farthest_point
-from services.negative.virtual_floor import virtual_floor
-from services.positive.projection import projection
 from tests import scenes
 
 METHODS = ("farthest_point", "virtual_floor")

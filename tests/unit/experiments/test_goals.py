@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from common.config import ConfigError
-from common.depth_codec import RAW
-from common.messages import DepthImage
+from cliffscan.common.contract.depth_codec import RAW
+from cliffscan.common.contract.messages import DepthImage
+from cliffscan.common.runtime.config import ConfigError
 from experiments.frames import Frame
 from experiments.goals import FASTEST, SLOWEST, EveryFrame, FirstFrames
 from tests import scenes

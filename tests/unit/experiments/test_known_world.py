@@ -4,9 +4,9 @@ import math
 
 import numpy as np
 
+from cliffscan.simulator.kinect import RANGE, kinect_camera
+from cliffscan.simulator.world import World
 from experiments.known_world import angles_of, measurable, truth_of
-from simulator.kinect import RANGE, kinect_camera
-from simulator.world import World
 from tests.unit.experiments.made_up import frame
 
 ANGLES = np.radians(np.linspace(-29.0, 29.0, 117))

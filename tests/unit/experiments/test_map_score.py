@@ -5,12 +5,12 @@ import math
 import numpy as np
 import pytest
 
-from common.map_messages import OccupancyGrid
+from cliffscan.common.contract.map_messages import OccupancyGrid
+from cliffscan.simulator.kinect import kinect_camera
+from cliffscan.simulator.truth import Outline, closed
+from cliffscan.simulator.world import Pose, World
 from experiments.map_score import edges_shown, faults, pose_errors, score
 from experiments.map_truth import Ground, drop_points, nearest, seen
-from simulator.kinect import kinect_camera
-from simulator.truth import Outline, closed
-from simulator.world import Pose, World
 
 CELL = 0.05
 ORIGIN = (-0.5, -0.5)

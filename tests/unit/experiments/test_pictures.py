@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from cliffscan.simulator.world import World
 from experiments.cloud import Bands, cloud
 from experiments.pictures import FIGURES, recorded_picture, world_pictures
 from experiments.plan_view import LEAST, extent_of
 from experiments.sheet import DPI, WIDTH
-from simulator.world import World
 from tests.unit.experiments.made_up import blank_frame, frame
 
 

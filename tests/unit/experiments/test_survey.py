@@ -2,8 +2,8 @@
 
 import pytest
 
-from common.base_messages import Odometry
-from common.map_messages import OccupancyGrid, Pose2D
+from cliffscan.common.contract.base_messages import Odometry
+from cliffscan.common.contract.map_messages import OccupancyGrid, Pose2D
 from experiments.drive import Look
 from experiments.survey import FRAME_PERIOD, Survey
 from tests.unit.experiments.made_up import frame

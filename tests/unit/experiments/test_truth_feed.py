@@ -4,10 +4,10 @@ import time
 
 import numpy as np
 
+from cliffscan.simulator import wire
+from cliffscan.simulator.frame_server import FrameServer
+from cliffscan.simulator.world import Pose
 from experiments.truth_feed import PATIENCE, Truth, TruthFeed
-from simulator import wire
-from simulator.frame_server import FrameServer
-from simulator.world import Pose
 
 
 def test_the_truth_comes_with_the_frames(tmp_path):

@@ -4,7 +4,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from common.config import SENSING
+from cliffscan.common.runtime.config import SENSING
 from experiments.collect import STARTING, Failed, Silent, Watch
 from experiments.goals import FirstFrames
 

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from numpy.testing import assert_array_equal
 
-from services.fuse import __main__ as module
-from services.fuse.config import FuseConfig
+from cliffscan.services.fuse import __main__ as module
+from cliffscan.services.fuse.config import FuseConfig
 from tests import build
 from tests.build import SECOND, scan
 
@@ -143,7 +143,7 @@ def samples(*scans):
 
 
 def play(config, arriving, monkeypatch):
-    return build.play(module.serve, "fuse", config, arriving, monkeypatch, "services.fuse.__main__")
+    return build.play(module.serve, "fuse", config, arriving, monkeypatch, "cliffscan.services.fuse.__main__")
 
 
 def test_the_service_listens_to_both_sides_and_its_extra_inputs(monkeypatch):

@@ -8,11 +8,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.testing import assert_array_equal
 
-from common.evidence import Evidence
-from common.messages import LaserScan
-from services.fuse.config import ExtraInput
-from services.fuse.fusion import GridMismatch, fuse
-from services.fuse.pairing import Pair
+from cliffscan.common.contract.evidence import Evidence
+from cliffscan.common.contract.messages import LaserScan
+from cliffscan.services.fuse.config import ExtraInput
+from cliffscan.services.fuse.fusion import GridMismatch, fuse
+from cliffscan.services.fuse.pairing import Pair
 from tests import naive
 from tests.build import scan
 

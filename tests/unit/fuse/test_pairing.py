@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from services.fuse.pairing import ROOM, Pairing
+from cliffscan.services.fuse.pairing import ROOM, Pairing
 from tests import build
 
 SIDES = ("positive", "negative")

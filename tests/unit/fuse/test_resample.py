@@ -8,8 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
-from common.grid import Grid
-from services.fuse.resample import resample
+from cliffscan.common.contract.beam_grid import Grid
+from cliffscan.services.fuse.resample import resample
 
 GRID = Grid.between(59, -math.radians(29), math.radians(29))
 CENTRE = (0.0, 0.0, 0.0)

@@ -5,8 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from services.kobuki.approach_monitor import ApproachMonitor, Glance
-from services.kobuki.ground import Pose
+from cliffscan.safety.approach_monitor import ApproachMonitor, Glance
+from cliffscan.safety.local_grid import Pose
 
 ANGLES = np.radians(np.linspace(-29, 29, 640))
 PERIOD = 0.1  # [s] between two scans

@@ -4,8 +4,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from common.base_messages import Velocity
-from services.kobuki.arbiter import REMEMBERED, CommandArbiter
+from cliffscan.common.contract.base_messages import Velocity
+from cliffscan.safety.command_arbiter import REMEMBERED, CommandArbiter
 
 STAMP = 1_700_000_000_000_000_000  # [ns] on our clock at 0 s
 TIMEOUT, TOLERANCE = 0.3, 0.5

@@ -2,8 +2,8 @@
 
 import pytest
 
-from services.kobuki import battery
-from services.kobuki.packets import decode
+from cliffscan.services.kobuki import battery
+from cliffscan.services.kobuki.protocol.packets import decode
 from tests.kobuki_stream import core
 
 

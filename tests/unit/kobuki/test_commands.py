@@ -7,10 +7,10 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from services.kobuki import commands
-from services.kobuki.commands import LedColour, Outputs, SoundSequence, Supply
-from services.kobuki.kinematics import speed_and_radius
-from services.kobuki.sensors import Gains, GainSet
+from cliffscan.services.kobuki.kinematics import speed_and_radius
+from cliffscan.services.kobuki.protocol import commands
+from cliffscan.services.kobuki.protocol.commands import LedColour, Outputs, SoundSequence, Supply
+from cliffscan.services.kobuki.protocol.sensors import Gains, GainSet
 from tests.kobuki_stream import framed
 
 velocities = st.one_of(st.floats(-2, 2), st.floats(-5e-3, 5e-3), st.floats(allow_nan=False, allow_infinity=False))

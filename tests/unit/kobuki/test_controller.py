@@ -6,13 +6,13 @@ from collections import Counter
 import numpy as np
 import pytest
 
-from common.base_messages import Velocity
-from common.description import CameraDescription
-from services.kobuki.commands import base_control
-from services.kobuki.config import KobukiConfig
-from services.kobuki.controller import SILENT, BaseController
-from simulator.kobuki.firmware import Firmware
-from simulator.kobuki.kinematics import Wheels
+from cliffscan.common.contract.base_messages import Velocity
+from cliffscan.common.contract.description import CameraDescription
+from cliffscan.services.kobuki.config import KobukiConfig
+from cliffscan.services.kobuki.controller import SILENT, BaseController
+from cliffscan.services.kobuki.protocol.commands import base_control
+from cliffscan.simulator.kobuki.firmware import Firmware
+from cliffscan.simulator.kobuki.kinematics import Wheels
 from tests import build
 
 TICK = 0.02  # [s]

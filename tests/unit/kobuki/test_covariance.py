@@ -4,7 +4,7 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from services.kobuki.covariance import Covariance
+from cliffscan.services.kobuki.covariance import Covariance
 
 numbers = st.floats(-10.0, 10.0)
 covariances = st.builds(Covariance, *[numbers] * 6)

@@ -6,8 +6,8 @@ import pytest
 from hypothesis import assume, example, given
 from hypothesis import strategies as st
 
-from services.kobuki.frames import FrameCounts, FrameParser, frame
-from services.kobuki.packets import decode
+from cliffscan.services.kobuki.protocol.frames import FrameCounts, FrameParser, frame
+from cliffscan.services.kobuki.protocol.packets import decode
 from tests.kobuki_stream import HEADER, NaiveParser, framed, usual_payload
 
 LONGEST_FRAME = 259

@@ -5,8 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from services.kobuki.ground import Pose
-from services.kobuki.safety import REST
+from cliffscan.safety.gate import REST
+from cliffscan.safety.local_grid import Pose
 from tests.kobuki_gate import ANGLES, Drive
 
 

@@ -5,12 +5,12 @@ import math
 import numpy as np
 import pytest
 
-from services.kobuki import foresight
-from services.kobuki.config import KobukiConfig
-from services.kobuki.foresight import Foresight
-from services.kobuki.ground import FREE, OCCUPIED, UNKNOWN, Ground
-from services.kobuki.momentum import Momentum
-from services.kobuki.safety import Decision, Safety, Twist
+from cliffscan.safety import velocity_limiter as foresight
+from cliffscan.safety.gate import Decision, Safety, Twist
+from cliffscan.safety.local_grid import FREE, OCCUPIED, UNKNOWN, Ground
+from cliffscan.safety.pending_motion import Momentum
+from cliffscan.safety.velocity_limiter import Foresight
+from cliffscan.services.kobuki.config import KobukiConfig
 from tests import kobuki_scenes as scenes
 from tests import kobuki_trial
 from tests.kobuki_gate import taken_at_its_word

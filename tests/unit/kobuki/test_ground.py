@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from services.kobuki.ground import CELL, HALF_CELL, LOOK, MEMORY, Ground, Pose
+from cliffscan.safety.local_grid import CELL, HALF_CELL, LOOK, MEMORY, Ground, Pose
 from tests.kobuki_gate import taken_at_its_word
 
 HERE = Pose(0.0, 0.0, 0.0)

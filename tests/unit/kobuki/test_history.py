@@ -4,8 +4,8 @@ import math
 
 import pytest
 
-from services.kobuki.ground import Pose
-from services.kobuki.history import AHEAD, ROOM, PoseHistory
+from cliffscan.safety.local_grid import Pose
+from cliffscan.safety.pose_history import AHEAD, ROOM, PoseHistory
 
 
 def a_history(*poses):

@@ -5,7 +5,7 @@ import threading
 
 import pytest
 
-from services.kobuki.jobs import ROOM, Jobs
+from cliffscan.services.kobuki.wakeable_queue import ROOM, Jobs
 
 
 class Pipe:

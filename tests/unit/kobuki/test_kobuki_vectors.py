@@ -9,15 +9,16 @@ from pathlib import Path
 
 import pytest
 
-from services.kobuki import battery, commands
-from services.kobuki.commands import LedColour, Outputs, SoundSequence, Supply
-from services.kobuki.frames import FrameParser, frame
-from services.kobuki.kinematics import speed_and_radius
-from services.kobuki.odometry import Odometry
-from services.kobuki.packets import CENTIDEGREE, decode
-from services.kobuki.sensors import VOLTS_PER_COUNT, Gains, GainSet
-from services.kobuki.steps import Reading, step_between
-from services.kobuki.versions import UNTOLD, Version, advice, refusal
+from cliffscan.services.kobuki import battery
+from cliffscan.services.kobuki.kinematics import speed_and_radius
+from cliffscan.services.kobuki.odometry import Odometry
+from cliffscan.services.kobuki.odometry_increment import Reading, step_between
+from cliffscan.services.kobuki.protocol import commands
+from cliffscan.services.kobuki.protocol.commands import LedColour, Outputs, SoundSequence, Supply
+from cliffscan.services.kobuki.protocol.frames import FrameParser, frame
+from cliffscan.services.kobuki.protocol.packets import CENTIDEGREE, decode
+from cliffscan.services.kobuki.protocol.sensors import VOLTS_PER_COUNT, Gains, GainSet
+from cliffscan.services.kobuki.protocol.versions import UNTOLD, Version, advice, refusal
 
 CHECKOUT = Path(__file__).resolve().parents[3]
 FILE = CHECKOUT.parent / "shared" / "data" / "kobuki_vectors.json"

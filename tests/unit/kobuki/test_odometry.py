@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from services.kobuki.odometry import UNKNOWN_TWIST, Odometry
-from services.kobuki.packets import decode
+from cliffscan.services.kobuki.odometry import UNKNOWN_TWIST, Odometry
+from cliffscan.services.kobuki.protocol.packets import decode
 from tests.kobuki_base import PERIOD, WHEELS_APART, Base
 from tests.kobuki_stream import core, inertia
 

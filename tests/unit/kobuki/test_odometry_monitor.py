@@ -4,8 +4,8 @@ import math
 
 import pytest
 
-from services.kobuki.kinematics import WHEEL_SEPARATION
-from services.kobuki.odometry_monitor import DRIVEN, OdometryMonitor
+from cliffscan.safety.odometry_monitor import DRIVEN, OdometryMonitor
+from cliffscan.services.kobuki.kinematics import WHEEL_SEPARATION
 
 TICK = 0.02  # [s]
 DEAD, RAMP = 0.2, 0.6  # [s], [m/s²] of a base that obeys late and brakes weakly

@@ -6,9 +6,18 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from services.kobuki.packets import READERS, Feedback, decode
-from services.kobuki.sensors import Bumper, Button, Charger, Cliff, DockSignal, GainSet, Overcurrent, WheelDrop
-from services.kobuki.versions import UNTOLD, Version
+from cliffscan.services.kobuki.protocol.packets import READERS, Feedback, decode
+from cliffscan.services.kobuki.protocol.sensors import (
+    Bumper,
+    Button,
+    Charger,
+    Cliff,
+    DockSignal,
+    GainSet,
+    Overcurrent,
+    WheelDrop,
+)
+from cliffscan.services.kobuki.protocol.versions import UNTOLD, Version
 from tests.kobuki_stream import core, gyro, inertia, sub_payload, usual_payload
 
 OLD = bytes.fromhex(

@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from services.kobuki.momentum import SLOW, Momentum
-from services.kobuki.path import first_contact, safe_speed
+from cliffscan.safety.arc_collision import first_contact, safe_speed
+from cliffscan.safety.pending_motion import SLOW, Momentum
 
 RADIUS = 0.21
 STEP = 0.001  # [m]

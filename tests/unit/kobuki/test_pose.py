@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from services.kobuki.ground import Pose
+from cliffscan.safety.local_grid import Pose
 
 poses = st.builds(Pose, st.floats(-50, 50), st.floats(-50, 50), st.floats(-10, 10))
 

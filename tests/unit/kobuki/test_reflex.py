@@ -5,9 +5,9 @@ import math
 import numpy as np
 import pytest
 
-from services.kobuki.ground import Pose
-from services.kobuki.packets import decode
-from services.kobuki.reflex import AWAY, BACK, LONGEST, Reflex, touched
+from cliffscan.safety.contact_recovery import AWAY, BACK, LONGEST, Reflex, touched
+from cliffscan.safety.local_grid import Pose
+from cliffscan.services.kobuki.protocol.packets import decode
 from tests.kobuki_stream import core
 
 START = Pose(1.0, 2.0, 0.5)

@@ -7,11 +7,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from services.kobuki.config import KobukiConfig
-from services.kobuki.ground import Pose
-from services.kobuki.path import safe_speed
-from services.kobuki.safety import NOTHING, REST, Safety, Scan, Twist
-from services.kobuki.scan_claims import View
+from cliffscan.safety.arc_collision import safe_speed
+from cliffscan.safety.gate import NOTHING, REST, Safety, Scan, Twist
+from cliffscan.safety.local_grid import Pose
+from cliffscan.safety.scan_claims import View
+from cliffscan.services.kobuki.config import KobukiConfig
 from tests import build
 from tests.kobuki_gate import HERE, TICK, Drive
 

@@ -5,10 +5,10 @@ import math
 import numpy as np
 import pytest
 
-from common.description import CameraDescription
-from services.kobuki import scan_claims
-from services.kobuki.safety import Scan
-from services.kobuki.scan_claims import AHEAD, View
+from cliffscan.common.contract.description import CameraDescription
+from cliffscan.safety import scan_claims
+from cliffscan.safety.gate import Scan
+from cliffscan.safety.scan_claims import AHEAD, View
 from tests import build
 
 NOW = 1_700_000_000_000_000_000  # [ns]

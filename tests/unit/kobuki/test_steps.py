@@ -6,9 +6,9 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from services.kobuki.kinematics import METRES_PER_TICK
-from services.kobuki.packets import decode
-from services.kobuki.steps import Discontinuity, Reading, step_between
+from cliffscan.services.kobuki.kinematics import METRES_PER_TICK
+from cliffscan.services.kobuki.odometry_increment import Discontinuity, Reading, step_between
+from cliffscan.services.kobuki.protocol.packets import decode
 from tests.kobuki_stream import core, inertia
 
 TICKS_PER_METRE = 11724.41658

@@ -2,8 +2,8 @@
 
 import pytest
 
-from services.kobuki.packets import decode
-from services.kobuki.versions import UNTOLD, Version, advice, has_gains, refusal
+from cliffscan.services.kobuki.protocol.packets import decode
+from cliffscan.services.kobuki.protocol.versions import UNTOLD, Version, advice, has_gains, refusal
 
 HARDWARE = Version(1, 0, 4)
 

@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from simulator.kobuki.commands import (
+from cliffscan.simulator.kobuki.commands import (
     BaseControl,
     GetGains,
     Output,

@@ -4,10 +4,10 @@ import json
 
 import pytest
 
-from simulator.kobuki.base import Base
-from simulator.kobuki.control import COMMANDS, ControlError, execute
-from simulator.kobuki.firmware import Firmware
-from simulator.kobuki.sensors import DROP_ADC, FLOOR_ADC
+from cliffscan.simulator.kobuki.base import Base
+from cliffscan.simulator.kobuki.control import COMMANDS, ControlError, execute
+from cliffscan.simulator.kobuki.firmware import Firmware
+from cliffscan.simulator.kobuki.sensors import DROP_ADC, FLOOR_ADC
 from tests.unit.kobuki_emulator.packets import command, drive, packets
 
 

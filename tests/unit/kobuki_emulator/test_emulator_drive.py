@@ -4,8 +4,8 @@ import math
 
 import pytest
 
-from simulator.kobuki.drive import RampedWheels, WheelModel
-from simulator.kobuki.kinematics import METRES_PER_TICK, Wheels, ticks, wheel_speeds
+from cliffscan.simulator.kobuki.drive import RampedWheels, WheelModel
+from cliffscan.simulator.kobuki.kinematics import METRES_PER_TICK, Wheels, ticks, wheel_speeds
 
 TICK = 0.005  # [s]
 IMMEDIATE = 1e9  # [m/s²]

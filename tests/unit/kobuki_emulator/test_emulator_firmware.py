@@ -4,11 +4,11 @@ import struct
 
 import pytest
 
-from simulator.kobuki.drive import Pose
-from simulator.kobuki.feedback import FACTORY_GAINS
-from simulator.kobuki.firmware import Firmware
-from simulator.kobuki.kinematics import REST
-from simulator.kobuki.versions import Identity, Version
+from cliffscan.simulator.kobuki.drive import Pose
+from cliffscan.simulator.kobuki.feedback import FACTORY_GAINS
+from cliffscan.simulator.kobuki.firmware import Firmware
+from cliffscan.simulator.kobuki.kinematics import REST
+from cliffscan.simulator.kobuki.versions import Identity, Version
 from tests.unit.kobuki_emulator.packets import command, drive, packets, payloads
 
 VERSIONS = command(9, "<H", 11)

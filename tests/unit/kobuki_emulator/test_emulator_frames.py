@@ -4,7 +4,7 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from simulator.kobuki.frames import LONGEST_COMMAND, FrameFinder, frame
+from cliffscan.simulator.kobuki.frames import LONGEST_COMMAND, FrameFinder, frame
 
 GOOD = st.binary(min_size=3, max_size=LONGEST_COMMAND).map(frame)
 HARMLESS = st.binary(max_size=40).map(lambda data: data.replace(b"\xaa", b"\xab"))

@@ -3,9 +3,9 @@
 from hypothesis import given
 from hypothesis import strategies as st
 
-from simulator.kobuki.base import Base
-from simulator.kobuki.firmware import Firmware
-from simulator.kobuki.line import Line
+from cliffscan.simulator.kobuki.base import Base
+from cliffscan.simulator.kobuki.firmware import Firmware
+from cliffscan.simulator.kobuki.line import Line
 from tests.unit.kobuki_emulator.packets import drive, packets
 
 PACKET = bytes(range(77))

@@ -7,9 +7,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from simulator.kobuki.drive import Pose, Rates
-from simulator.kobuki.firmware import Firmware
-from simulator.kobuki.kinematics import REST, Wheels
+from cliffscan.simulator.kobuki.drive import Pose, Rates
+from cliffscan.simulator.kobuki.firmware import Firmware
+from cliffscan.simulator.kobuki.kinematics import REST, Wheels
 from tests.unit.kobuki_emulator.packets import command, drive, packets, payloads
 
 

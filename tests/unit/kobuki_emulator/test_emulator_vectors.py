@@ -6,13 +6,13 @@ from pathlib import Path
 
 import pytest
 
-from simulator.kobuki import feedback
-from simulator.kobuki.commands import decode
-from simulator.kobuki.feedback import Gains
-from simulator.kobuki.frames import FrameFinder, frame
-from simulator.kobuki.kinematics import wheel_speeds
-from simulator.kobuki.sensors import SIDES, Sensors
-from simulator.kobuki.versions import Identity, Version
+from cliffscan.simulator.kobuki import feedback
+from cliffscan.simulator.kobuki.commands import decode
+from cliffscan.simulator.kobuki.feedback import Gains
+from cliffscan.simulator.kobuki.frames import FrameFinder, frame
+from cliffscan.simulator.kobuki.kinematics import wheel_speeds
+from cliffscan.simulator.kobuki.sensors import SIDES, Sensors
+from cliffscan.simulator.kobuki.versions import Identity, Version
 from tests.unit.kobuki_emulator.packets import decoded, payloads
 
 VECTORS = Path(__file__).parents[4] / "shared/data/kobuki_vectors.json"

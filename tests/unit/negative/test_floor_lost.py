@@ -5,12 +5,12 @@ import math
 import numpy as np
 import pytest
 
-from common.depth_codec import RAW
-from common.evidence import Evidence
-from common.geometry import FloorPlane
-from common.messages import DepthImage
-from services.negative.config import NegativeConfig
-from services.negative.methods import beams_by_method
+from cliffscan.common.contract.camera import FloorPlane
+from cliffscan.common.contract.depth_codec import RAW
+from cliffscan.common.contract.evidence import Evidence
+from cliffscan.common.contract.messages import DepthImage
+from cliffscan.services.negative.config import NegativeConfig
+from cliffscan.services.negative.methods import beams_by_method
 from tests import scenes
 
 CAMERA = scenes.camera(320, 240, FloorPlane.from_mount(0.3, math.radians(12)))

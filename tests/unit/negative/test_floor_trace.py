@@ -10,11 +10,11 @@ from hypothesis import strategies as st
 
 from benchmarks.accuracy.cases import BUILD, Case
 from benchmarks.accuracy.frames import KNOWN, frames_of
-from common.geometry import FloorPlane
-from common.points import points_of
-from services.negative.config import NegativeConfig
-from services.negative.floor_trace import End, floor_trace
-from services.negative.near_edge import rows_outward
+from cliffscan.common.contract.camera import FloorPlane
+from cliffscan.common.perception.point_heights import points_of
+from cliffscan.services.negative.config import NegativeConfig
+from cliffscan.services.negative.floor_following import End, floor_trace
+from cliffscan.services.negative.near_edge import rows_outward
 from tests import naive, naive_trace, scenes
 
 CONFIG = NegativeConfig()

@@ -8,12 +8,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose, assert_array_equal
 
-from common.geometry import FloorPlane, reach
-from common.grid import Grid
-from common.points import points_of
-from services.negative.farthest_point import farthest_point
-from services.negative.virtual_floor import virtual_floor
-from services.positive.projection import projection
+from cliffscan.common.contract.beam_grid import Grid
+from cliffscan.common.contract.camera import FloorPlane, reach
+from cliffscan.common.perception.point_heights import points_of
+from cliffscan.services.negative.farthest_point import farthest_point
+from cliffscan.services.negative.virtual_floor import virtual_floor
+from cliffscan.services.positive.projection import projection
 from tests import naive, naive_positive, scenes
 
 BAND, ROBOT, SLOPE = 0.03, 0.42, 0.12

@@ -9,11 +9,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose, assert_array_equal
 
-from common.geometry import FloorPlane
-from common.grid import Grid
-from common.points import points_of
-from services.negative.config import NegativeConfig
-from services.negative.near_edge import FloorLost, near_edge
+from cliffscan.common.contract.beam_grid import Grid
+from cliffscan.common.contract.camera import FloorPlane
+from cliffscan.common.perception.point_heights import points_of
+from cliffscan.services.negative.config import NegativeConfig
+from cliffscan.services.negative.near_edge import FloorLost, near_edge
 from tests import naive, scenes
 
 CONFIG = NegativeConfig()

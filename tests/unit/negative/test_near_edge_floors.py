@@ -6,12 +6,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from common.depth_codec import RAW
-from common.geometry import Camera, FloorPlane, scan_axes
-from common.messages import DepthImage
-from services.negative.config import NegativeConfig
-from services.negative.methods import beams_by_method
-from simulator.kinect import KinectModel, kinect_camera, measure, returns
+from cliffscan.common.contract.camera import Camera, FloorPlane, scan_axes
+from cliffscan.common.contract.depth_codec import RAW
+from cliffscan.common.contract.messages import DepthImage
+from cliffscan.services.negative.config import NegativeConfig
+from cliffscan.services.negative.methods import beams_by_method
+from cliffscan.simulator.kinect import KinectModel, kinect_camera, measure, returns
 from tests import scenes
 
 SEEDS = range(3)

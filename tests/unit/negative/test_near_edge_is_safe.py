@@ -8,14 +8,14 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from common.combine import combine
-from common.depth_codec import RAW
-from common.evidence import Evidence
-from common.geometry import Affine, FloorPlane, scan_axes
-from common.messages import DepthImage
-from services.negative.config import Method, NegativeConfig
-from services.negative.methods import beams_by_method
-from services.negative.shadow import shadowed
+from cliffscan.common.contract.camera import Affine, FloorPlane, scan_axes
+from cliffscan.common.contract.depth_codec import RAW
+from cliffscan.common.contract.evidence import Evidence
+from cliffscan.common.contract.messages import DepthImage
+from cliffscan.common.perception.combine import combine
+from cliffscan.services.negative.config import Method, NegativeConfig
+from cliffscan.services.negative.methods import beams_by_method
+from cliffscan.services.negative.shadow import shadowed
 from tests import scenes
 
 METHODS = get_args(Method)

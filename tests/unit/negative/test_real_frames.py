@@ -8,12 +8,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from common.depth_codec import RAW
-from common.geometry import scan_axes
-from common.messages import DepthImage
-from services.capture.replay import read_camera, read_depth
-from services.negative.config import NegativeConfig
-from services.negative.methods import beams_by_method
+from cliffscan.common.contract.camera import scan_axes
+from cliffscan.common.contract.depth_codec import RAW
+from cliffscan.common.contract.messages import DepthImage
+from cliffscan.services.capture.sources.replay import read_camera, read_depth
+from cliffscan.services.negative.config import NegativeConfig
+from cliffscan.services.negative.methods import beams_by_method
 
 REAL = Path(__file__).parents[4] / "shared/data/real"
 GRID = NegativeConfig().grid()

@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from common.geometry import Affine
-from services.negative.shadow import shadowed
+from cliffscan.common.contract.camera import Affine
+from cliffscan.services.negative.shadow import shadowed
 from tests import naive_trace
 
 ROWS, COLUMNS = 24, 120

@@ -8,14 +8,14 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
-from common.depth_codec import LEVELS, RAW
-from common.geometry import FloorPlane
-from common.messages import DepthImage
-from common.points import Points
-from common.view import view_of
-from services.positive.__main__ import obstacles, serve
-from services.positive.config import PositiveConfig
-from services.positive.projection import projection
+from cliffscan.common.contract.camera import FloorPlane
+from cliffscan.common.contract.depth_codec import LEVELS, RAW
+from cliffscan.common.contract.messages import DepthImage
+from cliffscan.common.perception.image_region import view_of
+from cliffscan.common.perception.point_heights import Points
+from cliffscan.services.positive.__main__ import obstacles, serve
+from cliffscan.services.positive.config import PositiveConfig
+from cliffscan.services.positive.projection import projection
 from tests import build, naive, scenes
 
 CONFIG = PositiveConfig(beams=31)

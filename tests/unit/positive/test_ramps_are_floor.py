@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from common.depth_codec import RAW
-from common.geometry import Camera, FloorPlane, Intrinsics
-from common.messages import DepthImage
-from services.positive.__main__ import obstacles
-from services.positive.config import PositiveConfig
+from cliffscan.common.contract.camera import Camera, FloorPlane, Intrinsics
+from cliffscan.common.contract.depth_codec import RAW
+from cliffscan.common.contract.messages import DepthImage
+from cliffscan.services.positive.__main__ import obstacles
+from cliffscan.services.positive.config import PositiveConfig
 from tests import scenes
 
 CONFIG = PositiveConfig(beams=31)

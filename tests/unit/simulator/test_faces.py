@@ -9,8 +9,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from simulator.faces import ROUNDNESS, box_faces, circle, cylinder_faces, faces_of, pack
-from simulator.world import World
+from cliffscan.simulator.faces import ROUNDNESS, box_faces, circle, cylinder_faces, faces_of, pack
+from cliffscan.simulator.world import World
 
 sizes = st.floats(0.005, 5.0)
 

@@ -8,10 +8,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from simulator.faces import faces_of
-from simulator.kinect import KinectModel, kinect_camera, measure, returns, sense
-from simulator.rasteriser import depth_image
-from simulator.world import World
+from cliffscan.simulator.faces import faces_of
+from cliffscan.simulator.kinect import KinectModel, kinect_camera, measure, returns, sense
+from cliffscan.simulator.rasteriser import depth_image
+from cliffscan.simulator.world import World
 
 CAMERA = kinect_camera()
 SHAPE = (CAMERA.height, CAMERA.width)

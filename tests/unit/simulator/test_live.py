@@ -8,14 +8,14 @@ import threading
 import numpy as np
 import pytest
 
-from simulator import wire
-from simulator.frame_server import FrameServer
-from simulator.kobuki.cable import Cable
-from simulator.kobuki.control import ControlError
-from simulator.kobuki.runner import Runner
-from simulator.live import LONGEST, Live, Pace
-from simulator.robot import RobotSimulation
-from simulator.world import Pose
+from cliffscan.simulator import wire
+from cliffscan.simulator.frame_server import FrameServer
+from cliffscan.simulator.kobuki.cable import Cable
+from cliffscan.simulator.kobuki.control import ControlError
+from cliffscan.simulator.kobuki.runner import Runner
+from cliffscan.simulator.live import LONGEST, Live, Pace
+from cliffscan.simulator.robot import RobotSimulation
+from cliffscan.simulator.world import Pose
 
 DEADLINE = 10.0  # [s]
 

@@ -6,12 +6,12 @@ import mujoco
 import numpy as np
 import pytest
 
-from simulator.camera import SimulatedKinect
-from simulator.footprints import footprints
-from simulator.kinect import kinect_camera
-from simulator.profile import CLIMB, FAR, standing
-from simulator.truth import BODY, floor_edge, obstacle, outlines
-from simulator.world import Pose, World
+from cliffscan.simulator.camera import SimulatedKinect
+from cliffscan.simulator.footprints import footprints
+from cliffscan.simulator.kinect import kinect_camera
+from cliffscan.simulator.profile import CLIMB, FAR, standing
+from cliffscan.simulator.truth import BODY, floor_edge, obstacle, outlines
+from cliffscan.simulator.world import Pose, World
 
 HEIGHT = 0.104890  # [m] of the office's platform
 AROUND = np.radians(np.arange(-180.0, 180.0, 19.3))

@@ -8,11 +8,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from simulator.random_floor import START, random_floor, slice_of, without
-from simulator.robot import RobotSimulation
-from simulator.scene import Rectangle
-from simulator.truth import BODY, floor_edge, obstacle
-from simulator.world import World
+from cliffscan.simulator.random_floor import START, random_floor, slice_of, without
+from cliffscan.simulator.robot import RobotSimulation
+from cliffscan.simulator.scene import Rectangle
+from cliffscan.simulator.truth import BODY, floor_edge, obstacle
+from cliffscan.simulator.world import World
 
 SEEDS = range(40)
 AROUND = np.radians(np.arange(0.0, 360.0, 5.0))

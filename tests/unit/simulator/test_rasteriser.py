@@ -4,11 +4,11 @@ import mujoco
 import numpy as np
 import pytest
 
-from common.geometry import Camera, FloorPlane, Intrinsics
-from simulator.faces import box_faces, faces_of, pack
-from simulator.rasteriser import depth_image
-from simulator.world import SCENE, Pose, World
-from simulator.world_names import world_names
+from cliffscan.common.contract.camera import Camera, FloorPlane, Intrinsics
+from cliffscan.simulator.faces import box_faces, faces_of, pack
+from cliffscan.simulator.rasteriser import depth_image
+from cliffscan.simulator.world import SCENE, Pose, World
+from cliffscan.simulator.world_names import world_names
 
 ODD_ONES = 0.002  # share of the pixels that may lie on different sides of a silhouette
 TOLERANCE = 1e-3  # [m]

@@ -6,13 +6,13 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from common.geometry import FloorPlane
-from simulator.kinect import kinect_camera
-from simulator.kobuki.drive import WheelModel
-from simulator.kobuki.kinematics import Wheels
-from simulator.kobuki.sensors import DROP_ADC, FLOOR_ADC
-from simulator.robot import RobotSimulation
-from simulator.world import START, Pose
+from cliffscan.common.contract.camera import FloorPlane
+from cliffscan.simulator.kinect import kinect_camera
+from cliffscan.simulator.kobuki.drive import WheelModel
+from cliffscan.simulator.kobuki.kinematics import Wheels
+from cliffscan.simulator.kobuki.sensors import DROP_ADC, FLOOR_ADC
+from cliffscan.simulator.robot import RobotSimulation
+from cliffscan.simulator.world import START, Pose
 from tests.unit.kobuki_emulator.packets import drive, packets
 
 LEFT, CENTRE, RIGHT = 4, 2, 1  # of bumpers and cliff sensors, as the protocol has them

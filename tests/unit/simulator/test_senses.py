@@ -6,8 +6,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from simulator.kobuki.sensors import DROP_ADC, FLOOR_ADC, Sensors
-from simulator.senses import CLIFF_EYES, FLOOR_DISTANCE, Feeling, Reporter, bumper, cliff_adc
+from cliffscan.simulator.kobuki.sensors import DROP_ADC, FLOOR_ADC, Sensors
+from cliffscan.simulator.senses import CLIFF_EYES, FLOOR_DISTANCE, Feeling, Reporter, bumper, cliff_adc
 
 NOTHING = Feeling(False, frozenset(), frozenset(), dict.fromkeys(CLIFF_EYES, FLOOR_DISTANCE))
 

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from simulator.camera import SimulatedKinect
-from simulator.kinect import KinectModel, kinect_camera
-from simulator.world import Pose
+from cliffscan.simulator.camera import SimulatedKinect
+from cliffscan.simulator.kinect import KinectModel, kinect_camera
+from cliffscan.simulator.world import Pose
 
 
 def test_a_frame_has_the_contracts_form():

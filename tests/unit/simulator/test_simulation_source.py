@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 
-from common.config import ConfigError
-from common.geometry import FloorPlane
-from services.capture import simulation
-from services.capture.simulation import Simulation
-from services.capture.source import BadFrame, SourceLost
-from simulator import wire
-from simulator.frame_server import FrameServer
+from cliffscan.common.contract.camera import FloorPlane
+from cliffscan.common.runtime.config import ConfigError
+from cliffscan.services.capture.sources import simulation
+from cliffscan.services.capture.sources.depth_source import BadFrame, SourceLost
+from cliffscan.services.capture.sources.simulation import Simulation
+from cliffscan.simulator import wire
+from cliffscan.simulator.frame_server import FrameServer
 
 DEADLINE = 10.0  # [s]
 FLOOR = FloorPlane.from_mount(0.31, 0.1)

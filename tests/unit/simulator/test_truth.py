@@ -8,10 +8,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from simulator.footprints import Footprint
-from simulator.truth import BODY, floor_edge, obstacle, outlines
-from simulator.world import Pose, World
-from simulator.world_names import world_names
+from cliffscan.simulator.footprints import Footprint
+from cliffscan.simulator.truth import BODY, floor_edge, obstacle, outlines
+from cliffscan.simulator.world import Pose, World
+from cliffscan.simulator.world_names import world_names
 
 FORWARD = np.radians(np.linspace(-29.0, 29.0, 117))
 AROUND = np.radians(np.arange(-180.0, 180.0, 7.3))

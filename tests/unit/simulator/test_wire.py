@@ -9,9 +9,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from simulator import wire
-from simulator.frame_server import FrameServer
-from simulator.wire import FrameReader, WireError
+from cliffscan.simulator import wire
+from cliffscan.simulator.frame_server import FrameServer
+from cliffscan.simulator.wire import FrameReader, WireError
 
 DEADLINE = 10.0  # [s]
 DEPTH = np.arange(12, dtype=np.uint16).reshape(3, 4) * 1000

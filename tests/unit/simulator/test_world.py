@@ -6,9 +6,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from common.geometry import Camera, FloorPlane, Intrinsics, scan_axes
-from simulator.world import Pose, World
-from simulator.world_names import world_names
+from cliffscan.common.contract.camera import Camera, FloorPlane, Intrinsics, scan_axes
+from cliffscan.simulator.world import Pose, World
+from cliffscan.simulator.world_names import world_names
 
 KNOWN = ["empty_room", "landing", "office", "open_floor", "paper_room", "paper_room_open", "stairs_corridor"]
 OPEN_FLOOR = World("open_floor")

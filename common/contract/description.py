@@ -1,0 +1,58 @@
+"""What is true of a robot: said once by the process that knows it, and taken from there by all others."""
+
+from __future__ import annotations
+
+from typing import Annotated, Self
+
+import numpy as np
+from pydantic import Field
+
+from cliffscan.common.contract.camera import Camera, reach
+from cliffscan.common.contract.floor_view import floor_in_view, straight_ahead
+from cliffscan.common.contract.message import ListAsTuple, Message, Part, Stamp
+
+Metres = Annotated[float, Field(ge=0, le=1e5)]
+Azimuths = Annotated[tuple[float, float], ListAsTuple]
+
+
+class CameraDescription(Part):
+    """What the camera can see of the floor from its nominal mount, in the scan frame: see common/geometry."""
+
+    frame: Annotated[str, Field(max_length=256)]  # of the depth images
+    simulated: bool  # whether its pictures are of a simulated or a recorded world
+    nearest_floor: Metres  # [m] from the point below the camera straight ahead to the first floor it sees there
+    farthest: Metres  # [m] horizontally, at most, to anything it measures
+    field_of_view: Azimuths  # [rad] rightmost and leftmost azimuth at which it sees floor ahead
+
+    @classmethod
+    def of(cls, camera: Camera, frame: str, simulated: bool) -> Self:
+        """The description of a possible camera over an endless floor without anything on it.
+
+        `nearest_floor` is `farthest` where no floor is seen straight ahead, the field of view (0, 0) where none is.
+        """
+        floor = floor_in_view(camera)
+        farthest = reach(camera)
+        ahead = straight_ahead(floor)
+        azimuths = np.arctan2(floor[:, 1], floor[:, 0])
+        return cls(
+            frame=frame,
+            simulated=simulated,
+            nearest_floor=float((camera.floor.d * ahead[:, 0] / -ahead[:, 2]).min(initial=farthest)),
+            farthest=farthest,
+            field_of_view=(float(azimuths.min()), float(azimuths.max())) if len(floor) else (0.0, 0.0),
+        )
+
+
+class BodyDescription(Part):
+    """What moves: a disc around the middle between the wheels."""
+
+    simulated: bool  # whether its port leads to an emulated base
+    radius: Metres  # [m]
+
+
+class RobotDescription(Message):
+    """One process's part of the description: `camera` comes from capture, `body` from the base's service."""
+
+    stamp: Stamp
+    camera: CameraDescription | None = None
+    body: BodyDescription | None = None

@@ -1,0 +1,148 @@
+"""The messages of the wire contract, each field with its unit and limits."""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated, Literal, Self
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import Field, PrivateAttr, model_validator
+
+from cliffscan.common.contract import depth_codec, limits
+from cliffscan.common.contract.beam_grid import Grid
+from cliffscan.common.contract.camera import Camera, FloorPlane, Intrinsics, check_camera
+from cliffscan.common.contract.message import Float32s, ListAsTuple, Message, Stamp, UInt64
+from cliffscan.common.perception.combine import NOT_TOLD, taken_at_its_word
+
+Side = Annotated[int, Field(ge=2, le=limits.MOST_SIDE)]  # [px]
+Name = Annotated[str, limits.NAME]
+Seconds = Annotated[float, limits.SECONDS]
+Vector2 = Annotated[tuple[float, float], ListAsTuple]
+Vector4 = Annotated[tuple[float, float, float, float], ListAsTuple]
+
+State = Literal["starting", "working", "waiting"]  # waiting: for a device
+
+TURN = 2 * math.pi
+ANGLE_SLACK = 1.5  # increments: drivers of full-circle scanners disagree whether angle_max is a beam
+
+
+class DepthImage(Message):
+    """A depth image with all that is needed to see it from the floor."""
+
+    seq: UInt64
+    stamp: Stamp  # time of capture
+    frame: Name
+    width: Side
+    height: Side
+    encoding: Name
+    data: bytes
+    intrinsics: Vector4  # fx, fy, cx, cy [px]
+    range: Vector2  # [m] along the optical axis
+    floor: Vector4  # nx, ny, nz, d [m] in the optical frame
+    _depth: NDArray[np.uint16] = PrivateAttr()
+    _camera: Camera = PrivateAttr()
+
+    @model_validator(mode="after")
+    def _unpack(self) -> Self:
+        self._camera = Camera(
+            self.width, self.height, Intrinsics(*self.intrinsics), self.range, FloorPlane(*self.floor)
+        )
+        check_camera(self._camera)
+        self._depth = depth_codec.decode(self.data, self.encoding, self.width, self.height)
+        return self
+
+    @classmethod
+    def pack(cls, seq: int, stamp: int, frame: str, depth: NDArray[np.uint16], camera: Camera, encoding: str) -> Self:
+        """The message of a depth image (height, width) [mm], in one of the encodings of depth_codec."""
+        image = cls.model_construct(
+            seq=seq,
+            stamp=stamp,
+            frame=frame,
+            width=camera.width,
+            height=camera.height,
+            encoding=encoding,
+            data=depth_codec.encode(depth, encoding),
+            intrinsics=camera.intrinsics,
+            range=camera.range,
+            floor=camera.floor,
+        )
+        image._depth, image._camera = depth, camera
+        return image
+
+    @property
+    def depth(self) -> NDArray[np.uint16]:
+        """(height, width) [mm] along the optical axis, 0 = no return."""
+        return self._depth
+
+    @property
+    def camera(self) -> Camera:
+        """The camera and its place over the floor."""
+        return self._camera
+
+
+class LaserScan(Message):
+    """The fields of ROS `sensor_msgs/LaserScan`; ranges follow REP-117: number, +inf (free), NaN (not seen)."""
+
+    seq: UInt64
+    stamp: Stamp  # of the depth image
+    frame: Name
+    angle_min: Annotated[float, limits.AZIMUTH]  # [rad]
+    angle_max: Annotated[float, limits.AZIMUTH]  # [rad]
+    angle_increment: Annotated[float, limits.INCREMENT]  # [rad]
+    time_increment: Annotated[float, limits.PERIOD]  # [s]
+    scan_time: Annotated[float, limits.PERIOD]  # [s]
+    range_min: Annotated[float, limits.RANGE_MIN]  # [m]
+    range_max: Annotated[float, limits.RANGE_MAX]  # [m]
+    ranges: Float32s  # [m]
+    intensities: Float32s  # Evidence, one a beam, or none at all
+    clear: Float32s = NOT_TOLD  # [m] up to which floor was seen throughout, one a beam, or none at all
+
+    @model_validator(mode="after")
+    def _consistent(self) -> Self:
+        beams = len(self.ranges)
+        if not 1 <= beams <= limits.MOST_BEAMS:
+            raise ValueError(f"ranges: {beams} beams, expected 1 to {limits.MOST_BEAMS}")
+        for name, values in (("intensities", self.intensities), ("clear", self.clear)):
+            if len(values) not in (0, beams):
+                raise ValueError(f"{name}: {len(values)} values for {beams} beams")
+            if not np.isfinite(values).all():
+                raise ValueError(f"{name}: not finite")
+        for name, metres in (("ranges", self.ranges), ("clear", self.clear)):
+            if (metres < 0).any():
+                raise ValueError(f"{name}: negative")
+        last = self.angle_min + (beams - 1) * self.angle_increment
+        if not last - self.angle_min <= TURN + self.angle_increment:
+            raise ValueError(f"angle_increment: {self.angle_increment} is more than a turn for {beams} beams")
+        if abs(last - self.angle_max) > ANGLE_SLACK * self.angle_increment:
+            raise ValueError(f"angle_max: {self.angle_max}, expected {last} for {beams} beams")
+        if self.range_min > self.range_max:
+            raise ValueError(f"range_max: {self.range_max} is below range_min {self.range_min}")
+        return self
+
+    def grid(self) -> Grid:
+        """The beams' azimuths."""
+        return Grid(len(self.ranges), self.angle_min, self.angle_increment)
+
+    def free(self) -> NDArray[np.float64]:
+        """How far [m] each beam shows floor to drive on: (beams,).
+
+        A scan that does not tell in `clear` is taken at its word: up to its number, +inf up to range_max, NaN nowhere.
+        """
+        clear = taken_at_its_word(self.ranges, self.clear).astype(np.float64)
+        return np.fmin(np.fmin(clear, self.ranges), self.range_max)
+
+
+class ServiceStatus(Message):
+    """How a service fares, once a second."""
+
+    stamp: Stamp
+    service: Name
+    version: Name
+    state: State
+    pid: UInt64
+    uptime: Seconds
+    rate: Annotated[float, limits.FREQUENCY]  # [Hz] of its main output over the last second
+    latency: Annotated[tuple[Seconds, Seconds], ListAsTuple]  # p50, p99 from capture to output, of the last 300, or 0
+    counts: Annotated[dict[Name, UInt64], limits.COUNTERS]  # since the start
+    note: Annotated[str, limits.TEXT]  # what a person should know, or nothing

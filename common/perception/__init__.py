@@ -1,0 +1,1 @@
+"""From a depth image to scans: algorithms on arrays."""

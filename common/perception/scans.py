@@ -1,0 +1,90 @@
+"""What makes a scan of a depth image: the grid and limits that are configured, and the message that comes of it."""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated, Self
+
+from pydantic import Field, model_validator
+
+from cliffscan.common.contract import limits
+from cliffscan.common.contract.beam_grid import Grid
+from cliffscan.common.contract.camera import Camera, reach
+from cliffscan.common.contract.depth_codec import RAW
+from cliffscan.common.contract.messages import DepthImage, LaserScan
+from cliffscan.common.perception.combine import Beams
+from cliffscan.common.perception.point_heights import Points, points_of
+from cliffscan.common.runtime.config import ServiceConfig
+
+UNSURE_SLOPE = 1.8  # [deg] by which a slope may look steeper than it is
+FRAME = "camera_footprint"  # on the floor below the camera
+BLANK = DepthImage(  # a frame in which nothing was seen: what kernels are compiled on
+    seq=0,
+    stamp=0,
+    frame="",
+    width=2,
+    height=2,
+    encoding=RAW,
+    data=bytes(8),
+    intrinsics=(2.0, 2.0, 0.5, 0.5),
+    range=(0.5, 4.5),
+    floor=(0.0, -1.0, 0.0, 0.3),
+)
+
+
+class ScanConfig(ServiceConfig):
+    """The beams and limits of the scans that a depth image becomes."""
+
+    beams: Annotated[int, Field(ge=2, le=limits.MOST_BEAMS)] = 640
+    field_of_view: Annotated[float, Field(gt=0, lt=180)] = 58.0  # [deg] between the first and the last beam
+    range_min: Annotated[float, limits.RANGE_MIN] = 0.0  # [m] points nearer than this are parts of the robot itself
+    range_max: Annotated[float, limits.RANGE_MAX] = 10.0  # [m] nothing beyond is reported
+    scan_time: Annotated[float, limits.PERIOD] = 1 / 30  # [s] between two scans
+    floor_band: Annotated[float, Field(gt=0, le=0.5)] = 0.03  # [m] above and below the plane that count as floor
+
+    @model_validator(mode="after")
+    def _limits(self) -> Self:
+        if self.range_min >= self.range_max:
+            raise ValueError(f"range_max {self.range_max} is not above range_min {self.range_min}")
+        if self.grid().increment < limits.FINEST_INCREMENT:
+            raise ValueError(f"field_of_view {self.field_of_view} is too narrow for {self.beams} beams")
+        return self
+
+    def grid(self) -> Grid:
+        """The beams."""
+        half = math.radians(self.field_of_view) / 2
+        return Grid.between(self.beams, -half, half)
+
+    def reach(self, camera: Camera) -> float:
+        """How far [m] a scan tells: range_max, but no farther than the sensor."""
+        return max(self.range_min, min(self.range_max, reach(camera)))
+
+
+def steepest_rise(degrees: float) -> float:
+    """Rise per metre of a ramp that steep, as it may look at most."""
+    return math.tan(math.radians(degrees + UNSURE_SLOPE))
+
+
+def points(image: DepthImage, config: ScanConfig, lower_than: float) -> Points:
+    """What the rows of `image` that can show anything lower than that [m] above the floor tell of it."""
+    return points_of(image.depth, image.camera, config.range_min, lower_than)
+
+
+def laser_scan(image: DepthImage, beams: Beams, config: ScanConfig) -> LaserScan:
+    """The message that tells `beams` of `image`, none of them beyond config.reach of its camera."""
+    grid = config.grid()
+    return LaserScan(
+        seq=image.seq,
+        stamp=image.stamp,
+        frame=FRAME,
+        angle_min=grid.angle_min,
+        angle_max=grid.angle_max,
+        angle_increment=grid.increment,
+        time_increment=0.0,
+        scan_time=config.scan_time,
+        range_min=config.range_min,
+        range_max=config.reach(image.camera),
+        ranges=beams.ranges,
+        intensities=beams.evidence,
+        clear=beams.clear,
+    )

@@ -1,0 +1,1 @@
+"""What every service runs on: the bus, configuration, metrics, a life cycle."""

@@ -1,0 +1,311 @@
+"""Eclipse Zenoh, as the services use it; only zenoh_config and reader import it beside this."""
+
+from __future__ import annotations
+
+import logging
+import threading
+import time
+from collections.abc import Callable, Collection
+from dataclasses import dataclass, field
+from pathlib import Path
+from types import TracebackType
+from typing import Any, Generic, Self, TypeVar
+
+import msgpack
+import zenoh
+
+from cliffscan.common.contract.limits import SMALL
+from cliffscan.common.contract.message import Message, MessageError, check_size, unpack
+from cliffscan.common.contract.topics import Qos, Topic, alive, most_bytes
+from cliffscan.common.runtime import zenoh_config
+from cliffscan.common.runtime.metrics import Tally
+from cliffscan.common.runtime.pace import Pace
+from cliffscan.common.runtime.reader import Readers
+
+M = TypeVar("M", bound=Message)
+log = logging.getLogger(__name__)
+
+ROOM = 256  # samples that may wait for a program that must not miss any
+REQUESTS = 8  # that may wait at a path
+RATE = 200.0  # [Hz] at which the requests at a path are answered
+AGAIN = 0.05  # [s] after which a question that found nothing is put again
+LATCH_TIMEOUT = 1.0  # [s] for what is kept to come
+
+PRIORITY = {
+    Qos.BULK: zenoh.Priority.DATA_LOW,
+    Qos.REAL_TIME: zenoh.Priority.REAL_TIME,
+    Qos.STATUS: zenoh.Priority.DATA,
+}
+
+
+class BusError(Exception):
+    """The network cannot be used as asked; the text is one line that says why."""
+
+
+class NotConnected(BusError):
+    """No endpoint answers yet; it is worth trying again."""
+
+
+@dataclass(frozen=True)
+class Network:
+    """Where the other processes are. Endpoints as `tcp/127.0.0.1:7447`; with none, peers on this machine are found."""
+
+    mode: str | None = None  # peer (Zenoh's default), client or router
+    connect: list[str] = field(default_factory=list)
+    listen: list[str] = field(default_factory=list)
+    zenoh_config: Path | None = None
+
+    def settings(self) -> dict[str, object]:
+        """Zenoh's settings by key, where this says something."""
+        named: dict[str, object] = {
+            "mode": self.mode,
+            "connect/endpoints": self.connect,
+            "listen/endpoints": self.listen,
+        }
+        if self.connect or (self.listen and self.mode != "router"):  # a router answers whoever looks for one
+            named["scouting/multicast/enabled"] = False  # others are where they were told to be
+        return {key: value for key, value in named.items() if value not in (None, [])}
+
+
+class Publisher(Generic[M]):
+    """Says messages of one topic."""
+
+    def __init__(self, publisher: zenoh.Publisher) -> None:
+        self._publisher = publisher
+
+    @property
+    def heard(self) -> bool:
+        """Whether anybody listens: what nobody hears need not be made."""
+        status: Any = self._publisher.matching_status  # a MatchingStatus, whatever zenoh's stubs say
+        return bool(status.matching)
+
+    def put(self, message: M) -> None:
+        """Send a message; it is dropped where a link is full."""
+        self._publisher.put(message.encode())
+
+
+class Bus:
+    """A Zenoh session of one robot. A context manager: leaving it takes every declaration back."""
+
+    def __init__(self, network: Network, robot: str) -> None:
+        """Raises NotConnected where a client finds no router, BusError where the settings make no sense."""
+        self.robot = robot
+        self._session = _open(network)
+        self._readers = Readers()
+        self._tally = Tally()
+        self._token: zenoh.LivelinessToken | None = None
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._session.close()  # type: ignore[no-untyped-call]
+        self._readers.join()
+
+    def publisher(self, topic: Topic[M]) -> Publisher[M]:
+        """Declare that messages of `topic` will be said."""
+        return Publisher(
+            self._session.declare_publisher(
+                topic.key(self.robot),
+                encoding=encoding_of(topic),
+                congestion_control=zenoh.CongestionControl.DROP,
+                priority=PRIORITY[topic.qos],
+                express=topic.qos is Qos.REAL_TIME,
+            )
+        )
+
+    def subscribe(
+        self,
+        path: str,
+        receive: Callable[[str, bytes], object],
+        room: int = ROOM,
+        rate: float | None = None,
+        refused: Callable[[str, MessageError], object] | None = None,
+    ) -> Callable[[], None]:
+        """Call `receive(path, payload)` for every sample on `path` below the robot's name; `*` and `**` are wild.
+
+        The calls come one after another from a thread of the subscription's own, at most `rate` [Hz] where that is
+        given, until what is returned is called. `room` samples may wait; beyond, the oldest is dropped, uncounted. A
+        payload larger than its key allows is not even copied, and `refused(path, why)` is told. Raises BusError for
+        what is no path.
+        """
+        prefix = len(self.robot) + 1
+        refuse, ended = refused or self._refused, threading.Event()
+
+        def deliver(sample: zenoh.Sample) -> None:
+            if sample.kind != zenoh.SampleKind.PUT or ended.is_set():
+                return
+            at = str(sample.key_expr)[prefix:]
+            try:
+                payload = _bytes(sample.payload, most_bytes(at))
+            except MessageError as error:
+                refuse(at, error)
+            else:
+                receive(at, payload)
+
+        try:
+            source = self._session.declare_subscriber(f"{self.robot}/{path}", zenoh.handlers.RingChannel(room))
+        except zenoh.ZError as error:
+            raise BusError(f"{path!r} is no key: {_first_line(error)}") from error
+        self._readers.read(source, deliver, Pace(rate, room) if rate else None)
+        return ended.set  # its thread waits within the declaration, which therefore goes with the session
+
+    def answer(
+        self, path: str, reply: Callable[[dict[str, Any]], dict[str, Any]], but_at: Collection[str] = ()
+    ) -> None:
+        """Answer requests at `path` below the robot's name with the map that `reply` makes of their parameters.
+
+        A path with `*` is asked in vain at the paths `but_at`; one without is not asked by a wild card. Requests beyond
+        RATE wait; where too many do, the oldest gets no answer.
+        """
+        key, others = f"{self.robot}/{path}", {f"{self.robot}/{other}" for other in but_at}
+
+        def deliver(query: zenoh.Query) -> None:
+            asked = str(query.key_expr)
+            if asked in others or ("*" not in path and asked != key):
+                return
+            try:
+                parameters = unpack(_bytes(query.payload, SMALL)) if query.payload else {}
+            except MessageError as error:
+                answered = {"ok": False, "message": f"malformed request: {error}"}
+            else:
+                answered = reply(parameters)
+            query.reply(query.key_expr, msgpack.packb(answered), encoding=zenoh.Encoding("application/msgpack"))
+
+        self._queries(key, deliver)
+
+    def ask(self, path: str, parameters: dict[str, Any], timeout: float) -> dict[str, Any] | None:
+        """The first answer to a request at `path`; None where there was none within `timeout` [s]."""
+        replies = self._session.get(f"{self.robot}/{path}", payload=msgpack.packb(parameters), timeout=timeout)
+        for reply in replies:
+            if reply.ok:
+                return unpack(_bytes(reply.ok.payload, SMALL))
+        return None
+
+    def latch(self, topic: Topic[M]) -> Callable[[M], None]:
+        """Declare messages of `topic` that are published once; each is kept for whoever asks later."""
+        publisher = self.publisher(topic)
+        kept: list[bytes] = []
+        lock = threading.Lock()
+
+        def publish(message: M) -> None:
+            with lock:
+                kept[:] = [message.encode()]
+            publisher.put(message)
+
+        def deliver(query: zenoh.Query) -> None:
+            with lock:
+                for payload in kept:
+                    query.reply(topic.key(self.robot), payload, encoding=encoding_of(topic))
+
+        self._queries(topic.key(self.robot), deliver)
+        return publish
+
+    def receive_latched(self, path: str, receive: Callable[[str, bytes], object]) -> None:
+        """Call `receive(path, payload)` for what is kept at `path` now and for what is published there later.
+
+        Whenever a service announces itself the question is put again, so that no start order loses an answer; what is
+        kept may come more than once, and from several threads.
+        """
+        self.subscribe(path, receive)
+        key = f"{self.robot}/{path}"
+
+        def ask() -> None:
+            ring: zenoh.handlers.RingChannel[zenoh.Reply] = zenoh.handlers.RingChannel(REQUESTS)
+            every = zenoh.ConsolidationMode.NONE
+            for reply in self._session.get(key, ring, consolidation=every, timeout=LATCH_TIMEOUT):
+                try:
+                    if reply.ok:
+                        receive(path, _bytes(reply.ok.payload, most_bytes(path)))
+                except MessageError as error:
+                    self._refused(path, error)
+
+        self.watch_alive(lambda _service, here: ask() if here else None)
+        self._readers.once(key, ask)
+
+    def announce(self, service: str) -> None:
+        """Tell everyone that `service` works, until withdraw() or the session's end."""
+        if not self._token:
+            self._token = self._session.liveliness().declare_token(f"{self.robot}/{alive(service)}")
+
+    def withdraw(self) -> None:
+        """Tell everyone that the service cannot do its work for now."""
+        token, self._token = self._token, None
+        if token:
+            token.undeclare()  # type: ignore[no-untyped-call]
+
+    def alive(self, timeout: float = 1.0) -> set[str]:
+        """The services that work now, by their liveliness tokens."""
+        pattern = f"{self.robot}/{alive('*')}"
+        replies = self._session.liveliness().get(pattern, timeout=timeout)
+        return {str(reply.ok.key_expr).rpartition("/")[2] for reply in replies if reply.ok}
+
+    def robots(self, timeout: float = 1.0) -> dict[str, set[str]]:
+        """The services that work now of every robot on the network, by the robot's name.
+
+        A busy router may answer that it knows of none before it does; so none is believed after `timeout` [s] only.
+        """
+        found: dict[str, set[str]] = {}
+        middle, end = f"/{alive('')}", alive("*")
+        deadline = time.monotonic() + timeout
+        while not found and (left := deadline - time.monotonic()) > 0.0:
+            for reply in self._session.liveliness().get(f"**/{end}", timeout=left):
+                if reply.ok:
+                    robot, _, service = str(reply.ok.key_expr).rpartition(middle)
+                    found.setdefault(robot, set()).add(service)
+            if not found:
+                time.sleep(AGAIN)
+        return found
+
+    def watch_alive(self, changed: Callable[[str, bool], None]) -> None:
+        """Call `changed(service, alive)` for every service that works, and whenever that changes."""
+
+        def deliver(sample: zenoh.Sample) -> None:
+            changed(str(sample.key_expr).rpartition("/")[2], sample.kind == zenoh.SampleKind.PUT)
+
+        key = f"{self.robot}/{alive('*')}"
+        ring: zenoh.handlers.RingChannel[zenoh.Sample] = zenoh.handlers.RingChannel(ROOM)
+        self._readers.read(self._session.liveliness().declare_subscriber(key, ring, history=True), deliver)
+
+    def _queries(self, key: str, deliver: Callable[[zenoh.Query], None]) -> None:
+        """Call `deliver` for the requests at a key; each ends for its asker when it returns."""
+
+        def take(query: zenoh.Query) -> None:
+            with query:
+                deliver(query)
+
+        source = self._session.declare_queryable(key, zenoh.handlers.RingChannel(REQUESTS))
+        self._readers.read(source, take, Pace(RATE, REQUESTS))
+
+    def _refused(self, path: str, why: MessageError) -> None:
+        self._tally.complain("malformed", f"{path}: {why}")
+
+
+def _bytes(payload: zenoh.ZBytes, most: int) -> bytes:
+    """A payload, copied only where it has no more than `most` bytes. Raises MessageError."""
+    check_size(len(payload), most)
+    return payload.to_bytes()
+
+
+def encoding_of(topic: Topic[Any]) -> zenoh.Encoding:
+    """The Zenoh encoding of a topic's samples, which names their schema."""
+    return zenoh.Encoding("application/msgpack").with_schema(topic.message.schema_name())
+
+
+def _open(network: Network) -> zenoh.Session:
+    try:
+        config = zenoh_config.build(network.settings(), network.zenoh_config)
+    except zenoh.ZError as error:
+        raise BusError(f"Zenoh refuses the configuration: {_first_line(error)}") from error
+    try:
+        return zenoh.open(config)
+    except zenoh.ZError as error:
+        reason = _first_line(error)
+        raise (NotConnected if "Unable to connect" in reason else BusError)(reason) from error
+
+
+def _first_line(error: Exception) -> str:
+    """Zenoh's reason without the place in its source."""
+    return str(error).split(" at /")[0].splitlines()[0].strip()

@@ -1,0 +1,223 @@
+"""The life of a service: configuration, signals, the bus, the ready token, status every second, a clean end."""
+
+from __future__ import annotations
+
+import argparse
+import logging
+import os
+import signal
+import sys
+import threading
+import time
+from collections.abc import Callable, Iterator
+from functools import cache
+from importlib.metadata import PackageNotFoundError, version
+from types import FrameType
+from typing import Generic, TypeVar
+
+from cliffscan.common.contract.limits import LONGEST_TEXT
+from cliffscan.common.contract.message import Message, MessageError
+from cliffscan.common.contract.messages import DepthImage, LaserScan, ServiceStatus, State
+from cliffscan.common.contract.topics import Topic, status
+from cliffscan.common.runtime import config as configuration
+from cliffscan.common.runtime import options
+from cliffscan.common.runtime.bus import Bus, BusError, Network, NotConnected, Publisher
+from cliffscan.common.runtime.config import ConfigError, ServiceConfig
+from cliffscan.common.runtime.latest_queue import Inbox
+from cliffscan.common.runtime.metrics import Tally
+from cliffscan.common.runtime.stream_order import StreamOrder
+
+C = TypeVar("C", bound=ServiceConfig)
+M = TypeVar("M", bound=Message)
+
+ROOM = 8  # messages that may wait to be unpacked
+RATE = 200.0  # [Hz] at which messages of a topic are unpacked
+PATIENCE = 0.1  # [s] a wait may last before the service looks whether it should end
+RETRY = 0.5  # [s] between two attempts to reach a router
+USAGE_ERROR = 2
+
+log = logging.getLogger(__name__)
+
+
+class StopSignal(threading.Event):
+    """Set by SIGTERM and Ctrl-C. While not patient, as in a long compilation, they end the process at once."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.patient = True
+        for number in (signal.SIGTERM, signal.SIGINT):
+            signal.signal(number, self._on_signal)
+
+    def _on_signal(self, number: int, frame: FrameType | None) -> None:  # noqa: ARG002
+        self.set()
+        if not self.patient:
+            os._exit(0)  # an exception would get lost in the compiler's callbacks
+
+
+class Service(Generic[C]):
+    """What a service's own code works with: its configuration, the bus, and whether to go on."""
+
+    def __init__(self, name: str, config: C, bus: Bus, stop: StopSignal) -> None:
+        self.name = name
+        self.config = config
+        self.bus = bus
+        self.tally = Tally()
+        self.note = ""
+        self.state: State = "starting"
+        self._stop = stop
+        self._born = time.monotonic()
+
+    @property
+    def running(self) -> bool:
+        """False once the service was told to end."""
+        return not self._stop.is_set()
+
+    def pause(self, seconds: float) -> None:
+        """Wait, but not beyond the service's end."""
+        self._stop.wait(seconds)
+
+    def publisher(self, topic: Topic[M]) -> Publisher[M]:
+        """Declare that messages of `topic` will be said."""
+        return self.bus.publisher(topic)
+
+    def receive(self, topic: Topic[M], accept: Callable[[M], None], room: int = ROOM) -> None:
+        """Call `accept`, from a thread of the topic's own, for every good message; bad ones are counted and told.
+
+        No more than RATE are looked at; of others that come meanwhile the newest `room` are kept.
+        """
+        order = StreamOrder()
+
+        def refused(path: str, why: MessageError) -> None:
+            self.tally.complain("malformed", f"{path}: {why}")
+
+        def arrived(path: str, payload: bytes) -> None:
+            try:
+                message = topic.message.decode(payload)
+            except MessageError as error:
+                refused(path, error)
+                return
+            oddity = order.check(message.seq, message.stamp) if isinstance(message, DepthImage | LaserScan) else None
+            if oddity:
+                self.tally.complain(oddity.what, f"{path}: {oddity.why}")
+            self.tally.count("received")
+            accept(message)
+
+        self.bus.subscribe(topic.path, arrived, room, RATE, refused)
+
+    def newest(self, topic: Topic[M]) -> Iterator[M]:
+        """Every good message of `topic` until the service ends; while one is worked on, only the newest is kept."""
+        inbox: Inbox[M] = Inbox()
+
+        def accept(message: M) -> None:
+            if not inbox.put(message):
+                self.tally.count("overtaken")
+
+        self.receive(topic, accept, room=2)
+        self.ready()
+        while self.running:
+            message = inbox.get(PATIENCE)
+            if message is not None:
+                yield message
+
+    def ready(self) -> None:
+        """Announce that the service can do its work; again, after it had to wait for a device."""
+        self._stop.patient = True
+        self.state, self.note = "working", ""
+        self.bus.announce(self.name)
+        log.info("ready, version %s", package_version())
+
+    def waiting(self, note: str) -> None:
+        """The service cannot do its work, because of a device, say: withdraw the token until ready() again."""
+        self.state, self.note = "waiting", note
+        self.bus.withdraw()
+
+    def tell_status(self) -> None:
+        """Say once a second how the service fares, until it ends."""
+        publisher = self.bus.publisher(status(self.name))
+        last = time.monotonic()
+        while not self._stop.wait(1.0):
+            now = time.monotonic()
+            publisher.put(self._status(self.tally.take_outputs() / (now - last), now - self._born))
+            last = now
+
+    def _status(self, rate: float, uptime: float) -> ServiceStatus:
+        return ServiceStatus(
+            stamp=time.time_ns(),
+            service=self.name,
+            version=package_version(),
+            state=self.state,
+            pid=os.getpid(),
+            uptime=uptime,
+            rate=rate,
+            latency=self.tally.latency(),
+            counts=self.tally.counts(),
+            note=self.note[:LONGEST_TEXT],
+        )
+
+
+@cache  # each look-up reads files, and the status tells it every second
+def package_version() -> str:
+    """The installed version, or `source` when run from a plain checkout."""
+    try:
+        return version("cliffscan")
+    except PackageNotFoundError:
+        return "source"
+
+
+def main(name: str, kind: type[C], serve: Callable[[Service[C]], None]) -> None:
+    """Run a service from the command line until it ends or is told to; leaves with the process's exit code."""
+    parser = argparse.ArgumentParser(prog=f"python -m services.{name}", description=sys.modules["__main__"].__doc__)
+    options.add_network(parser)
+    options.add_config(parser)
+    parser.add_argument("--dump-config", action="store_true", help="print the effective configuration and exit")
+    arguments = parser.parse_args()
+    try:
+        config = configuration.load(name, kind, arguments.config, arguments.set)
+    except ConfigError as error:
+        parser.exit(USAGE_ERROR, f"{name}: {error}\n")
+    if arguments.dump_config:
+        sys.stdout.write(configuration.dump(name, config))
+        parser.exit(0)
+    logging.basicConfig(level=logging.INFO, format=f"%(asctime)s %(levelname)s {name}: %(message)s")
+    try:
+        config.check()
+        run(name, config, options.network(arguments), arguments.robot, serve)
+    except (BusError, ConfigError) as error:
+        parser.exit(USAGE_ERROR, f"{name}: {error}\n")
+    logging.shutdown()
+    os._exit(0)  # all is said and closed; to take the compiler apart would cost another half a second
+
+
+def run(name: str, config: C, network: Network, robot: str, serve: Callable[[Service[C]], None]) -> None:
+    """Serve until SIGTERM or Ctrl-C. Raises BusError where the network cannot be used as asked."""
+    stop = StopSignal()
+    bus = connect(network, robot, stop)
+    if bus is None:
+        return
+    with bus:
+        service = Service(name, config, bus, stop)
+        teller = threading.Thread(target=service.tell_status, name="status")
+        teller.start()
+        try:
+            stop.patient = False
+            if not stop.is_set():
+                serve(service)
+        finally:
+            stop.patient = True
+            stop.set()
+            teller.join()
+        log.info("ended: %s", service.tally.counts())
+
+
+def connect(network: Network, robot: str, stop: threading.Event) -> Bus | None:
+    """The bus, as soon as a router answers; None where the process was told to end before that."""
+    told = False
+    while not stop.is_set():
+        try:
+            return Bus(network, robot)
+        except NotConnected as error:
+            if not told:
+                log.info("waiting for a router: %s", error)
+                told = True
+            stop.wait(RETRY)
+    return None

@@ -1,0 +1,70 @@
+"""Zenoh's configuration: the project's own settings, below those of a file, below those of the command line.
+
+What the settings are for: a large frame is dropped when one of its fragments waits too long for a full link, so
+fragments may wait 0.2 s; the kernel's send buffer is kept small, or small real-time messages queue behind depth frames
+in it; a link is given up after 2 s of silence; what no message may be as large as is not put together from its
+fragments. Shared memory is off: where a process may not lock as much memory as its peers' pools take (8 MB is a usual
+limit), Zenoh loses every large message without a word.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import zenoh
+
+from cliffscan.common.contract.limits import LARGEST
+
+ENVELOPE = 65_536  # [bytes] that Zenoh adds to a payload, at most
+DEFAULTS: dict[str, object] = {
+    "transport/link/tx/lease": 2000,
+    "transport/link/tx/queue/congestion_control/drop/wait_before_drop": 50_000,
+    "transport/link/tx/queue/congestion_control/drop/max_wait_before_drop_fragments": 200_000,
+    "transport/link/tcp/so_sndbuf": 65_536,
+    "transport/link/rx/max_message_size": LARGEST + ENVELOPE,
+    "transport/shared_memory/enabled": False,
+}
+ENDPOINTS = ("connect/endpoints", "listen/endpoints")
+THIS_MACHINE: dict[str, object] = {  # where nobody names an endpoint
+    "listen/endpoints": {"peer": ["tcp/127.0.0.1:0"]},
+    "scouting/multicast/interface": "lo",
+}
+
+
+def build(options: Mapping[str, object], file: Path | None) -> zenoh.Config:
+    """The configuration of `options` by key, over those of a JSON5 file, over the defaults. Raises zenoh.ZError."""
+    config = zenoh.Config.from_file(str(file)) if file else zenoh.Config()
+    given = _written_in(file) if file else {}
+    endpoints = any(key in options or _value(given, key) for key in ENDPOINTS)
+    router = (options.get("mode") or _value(given, "mode")) == "router"
+    defaults = DEFAULTS if endpoints or router else DEFAULTS | THIS_MACHINE
+    for key, value in defaults.items():
+        if _value(given, key) is None:
+            config.insert_json5(key, json.dumps(value))
+    for key, value in options.items():
+        config.insert_json5(key, json.dumps(value))
+    return config
+
+
+def _written_in(file: Path) -> dict[str, Any]:
+    """What a JSON5 file says itself, which a Config no longer tells from Zenoh's defaults: Zenoh's own parser reads it.
+
+    Raises zenoh.ZError.
+    """
+    parser = zenoh.Config()
+    parser.insert_json5("metadata", file.read_text("utf-8"))  # takes any value
+    given: dict[str, Any] = json.loads(parser.get_json("metadata"))
+    return given
+
+
+def _value(given: dict[str, Any], key: str) -> object:
+    """The value that a file gives a key; None where it gives none."""
+    value: Any = given
+    for part in key.split("/"):
+        if not isinstance(value, dict):
+            return None
+        value = value.get(part)
+    return value

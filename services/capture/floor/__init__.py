@@ -1,0 +1,1 @@
+"""Which plane the floor is, measured in every frame."""

@@ -1,0 +1,43 @@
+"""What every source of depth frames has in common."""
+
+from __future__ import annotations
+
+from typing import NamedTuple, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cliffscan.common.contract.camera import Camera
+
+
+class DepthFrame(NamedTuple):
+    """One depth image. depth: (rows, columns) [mm], 0 = no return; stamp: time of capture [ns since the epoch]."""
+
+    depth: NDArray[np.uint16]
+    stamp: int
+    camera: Camera
+
+
+class SourceLost(Exception):
+    """The device is not there, or has gone; the message says which and the remedy. Open it again later."""
+
+
+class SourceEnded(Exception):
+    """The last frame has been read; there will be no other."""
+
+
+class BadFrame(Exception):
+    """One frame could not be had; the next one may be good."""
+
+
+class Source(Protocol):
+    """A stream of depth frames, read one at a time; opened by its constructor."""
+
+    def read(self, timeout: float) -> DepthFrame | None:
+        """The next frame, or None where none came within `timeout` [s].
+
+        Raises SourceLost, SourceEnded or BadFrame.
+        """
+
+    def close(self) -> None:
+        """Release the device. Nothing is read after it."""

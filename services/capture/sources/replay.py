@@ -1,0 +1,136 @@
+"""Depth frames from a folder: `camera.json` and one 16-bit PNG per frame, played in order of name."""
+
+from __future__ import annotations
+
+import time
+from pathlib import Path
+from typing import Annotated
+
+import numpy as np
+from numpy.typing import NDArray
+from PIL import Image
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+
+from cliffscan.common.contract.camera import Camera, FloorPlane, Intrinsics, check_camera
+from cliffscan.common.contract.message import Stamp, explain
+from cliffscan.common.runtime.config import ConfigError
+from cliffscan.services.capture.sources.depth_source import BadFrame, DepthFrame, SourceEnded
+
+Four = tuple[float, float, float, float]
+LEVEL = (0.0, -1.0, 0.0, 0.3)  # a floor below any camera
+GREY_16 = ("I;16", "I;16B", "I;16L")
+
+
+class FrameOverride(BaseModel):
+    """What one frame has different from the rest of its folder."""
+
+    model_config = ConfigDict(strict=True, allow_inf_nan=False)
+
+    stamp: Stamp | None = None  # [ns]
+    intrinsics: Four | None = None  # fx, fy, cx, cy [px]
+    floor: Four | None = None  # nx, ny, nz, d [m]
+
+
+class CameraFile(FrameOverride):
+    """`camera.json`: the camera of all frames, and what single frames have different."""
+
+    width: int
+    height: int
+    intrinsics: Four
+    range: tuple[float, float]  # [m]
+    frames: Annotated[dict[str, FrameOverride], Field(default_factory=dict)]
+
+    def camera_of(self, frame: str) -> Camera:
+        """The camera as it was for one frame. Raises BadFrame where that cannot be."""
+        override = self.frames.get(frame, FrameOverride())
+        floor = override.floor or self.floor
+        if floor is None:
+            raise BadFrame(f"{frame}: camera.json has no floor for it")
+        camera = self.camera(override.intrinsics or self.intrinsics, floor)
+        try:
+            check_camera(camera)
+        except ValueError as error:
+            raise BadFrame(f"{frame}: camera.json: {error}") from error
+        return camera
+
+    def camera(self, intrinsics: Four, floor: Four) -> Camera:
+        """A camera of this folder with these intrinsics and floor, possible or not."""
+        return Camera(self.width, self.height, Intrinsics(*intrinsics), self.range, FloorPlane(*floor))
+
+
+class Replay:
+    """Plays a depth folder at `rate` [Hz], once or in a loop.
+
+    Frames are stamped when they are played, unless camera.json has stamps; then a second round goes on from the
+    last stamp of the first. Raises ConfigError where the folder cannot be used.
+    """
+
+    def __init__(self, folder: Path, rate: float, loop: bool) -> None:
+        self._file = read_camera(folder)
+        self._images = images_of(folder)
+        self._period = 1.0 / rate
+        self._loop = loop
+        self._next = 0
+        self._due = time.monotonic()
+
+    def read(self, timeout: float) -> DepthFrame | None:
+        """The next frame when its time has come."""
+        round_, place = divmod(self._next, len(self._images))
+        if round_ and not self._loop:
+            raise SourceEnded
+        wait = self._due - time.monotonic()
+        time.sleep(min(max(wait, 0.0), timeout))
+        if wait > timeout:
+            return None
+        self._next += 1
+        self._due = max(self._due + self._period, time.monotonic())
+        image = self._images[place]
+        camera = self._file.camera_of(image.stem)
+        return DepthFrame(read_depth(image, camera.width, camera.height), self._stamp(image.stem, round_), camera)
+
+    def close(self) -> None:
+        """Nothing is held."""
+
+    def _stamp(self, frame: str, round_: int) -> int:
+        recorded = {name: each.stamp for name, each in self._file.frames.items() if each.stamp is not None}
+        if frame not in recorded:
+            return time.time_ns()
+        lap = max(recorded.values()) - min(recorded.values()) + round(self._period * 1e9)
+        return recorded[frame] + round_ * lap
+
+
+def images_of(folder: Path) -> list[Path]:
+    """The folder's PNGs, `.PNG` too, in order of name. Raises ConfigError where it has none."""
+    images = sorted(each for each in folder.iterdir() if each.suffix.lower() == ".png")
+    if not images:
+        raise ConfigError(f"{folder}: no PNG in it")
+    return images
+
+
+def read_camera(folder: Path) -> CameraFile:
+    """The folder's `camera.json`. Raises ConfigError, also where no frame can have such a camera."""
+    path = folder / "camera.json"
+    try:
+        file = CameraFile.model_validate_json(path.read_bytes())
+        check_camera(file.camera(file.intrinsics, file.floor or LEVEL))
+        return file
+    except OSError as error:
+        raise ConfigError(f"{path}: {error.strerror}") from error
+    except ValidationError as error:
+        raise ConfigError(f"{path}: {explain(error)}") from error
+    except ValueError as error:
+        raise ConfigError(f"{path}: {error}") from error
+
+
+def read_depth(path: Path, width: int, height: int) -> NDArray[np.uint16]:
+    """A 16-bit greyscale PNG as (height, width) [mm]. Raises BadFrame where it is anything else."""
+    try:
+        with Image.open(path, formats=["PNG"]) as image:
+            image.verify()  # reading alone passes over wrong check sums
+        with Image.open(path, formats=["PNG"]) as image:
+            if image.mode not in GREY_16 or image.size != (width, height):
+                size = f"{image.width}x{image.height}"
+                raise BadFrame(f"{path.name}: {size} {image.mode}, expected {width}x{height} 16-bit grey")
+            return np.asarray(image, dtype=np.uint16)
+    except (OSError, SyntaxError, ValueError, Image.DecompressionBombError) as error:
+        raise BadFrame(f"{path.name}: {error}") from error

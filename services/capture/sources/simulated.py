@@ -1,0 +1,41 @@
+"""Depth frames of a simulated Kinect in one of the simulator's worlds."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import replace
+
+from cliffscan.common.contract.camera import FloorPlane
+from cliffscan.common.runtime.config import ConfigError
+from cliffscan.services.capture.sources.depth_source import DepthFrame
+from cliffscan.simulator.camera import SimulatedKinect
+from cliffscan.simulator.kinect import kinect_camera
+
+
+class Simulated:
+    """Looks into `world` from its start, `rate` [Hz] times a second. Raises ConfigError for an unknown world.
+
+    A frame that takes longer than its period is not made up for: the rate falls, and the service's status tells it.
+    """
+
+    def __init__(self, world: str, floor: FloorPlane, rate: float, seed: int) -> None:
+        try:
+            self._kinect = SimulatedKinect(world, replace(kinect_camera(), floor=floor), seed=seed)
+        except ValueError as error:
+            raise ConfigError(f"capture.world: {error}") from error
+        self._kinect.frame()  # compiles
+        self._period = 1.0 / rate
+        self._due = time.monotonic()
+
+    def read(self, timeout: float) -> DepthFrame | None:
+        """The next frame when its time has come, stamped with the moment it shows."""
+        wait = self._due - time.monotonic()
+        time.sleep(min(max(wait, 0.0), timeout))
+        if wait > timeout:
+            return None
+        self._due = max(self._due + self._period, time.monotonic())
+        stamp = time.time_ns()
+        return DepthFrame(self._kinect.frame(), stamp, self._kinect.camera)
+
+    def close(self) -> None:
+        """Nothing is held."""

@@ -1,0 +1,1 @@
+"""The Kobuki's serial protocol: frames, packets, and what they mean."""

@@ -1,0 +1,37 @@
+"""What every packet of the base has to tell the network."""
+
+from __future__ import annotations
+
+from cliffscan.common.contract import topics
+from cliffscan.common.runtime.service import Service
+from cliffscan.services.kobuki import reports
+from cliffscan.services.kobuki.config import KobukiConfig
+from cliffscan.services.kobuki.odometry import Estimate
+from cliffscan.services.kobuki.protocol.packets import Feedback
+from cliffscan.services.kobuki.protocol.sensors import Core
+
+
+class News:
+    """Says odometry, state and gyro, as far as anybody listens."""
+
+    def __init__(self, service: Service[KobukiConfig]) -> None:
+        self._tally = service.tally
+        self._odom = service.publisher(topics.ODOMETRY)
+        self._state = service.publisher(topics.BASE_STATE)
+        self._imu = service.publisher(topics.IMU)
+        self.begin()
+
+    def begin(self) -> None:
+        """Know nothing of the base."""
+        self._report = reports.StateReport()
+
+    def tell(self, feedback: Feedback, core: Core, estimate: Estimate, stamp: int) -> None:
+        """Say what a packet told."""
+        self._report.update(feedback, core)
+        if self._odom.heard:
+            self._odom.put(reports.odometry(estimate, stamp))
+        if self._state.heard:
+            self._state.put(self._report.message(core, stamp))
+        if feedback.gyro and feedback.inertia and self._imu.heard:
+            self._imu.put(reports.imu(feedback.gyro, feedback.inertia, stamp))
+        self._tally.output(stamp)
