@@ -12,9 +12,9 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from cliffscan.common.contract.beam_fields import Beams
 from cliffscan.common.contract.beam_grid import Grid
 from cliffscan.common.contract.evidence import Evidence
-from cliffscan.common.perception.combine import Beams
 from cliffscan.common.perception.image_region import View
 from cliffscan.common.perception.point_heights import Points
 from cliffscan.services.negative.column_beams import beams_of_columns
@@ -41,7 +41,7 @@ def near_edge(points: Points, grid: Grid, limits: Limits, floor_lost: FloorLost,
     order = rows_outward(view, limits)
     if not len(order):
         nothing = np.zeros(grid.beams, np.float32)
-        return Beams(np.full(grid.beams, np.nan, np.float32), nothing, nothing)
+        return Beams(ranges=np.full(grid.beams, np.nan, np.float32), intensities=nothing, clear=nothing)
     end, row, level, sure, sure_level = floor_trace(points.heights, order, rates, height, np.array(limits, np.float32))
     if not view.transposed:  # a camera on its side has its eyes one above the other
         lost = np.flatnonzero(end == End.LOST)

@@ -28,7 +28,7 @@ def assert_equal_naive(depth, camera, floor_lost="counts", beams=64, off=0.0):
     found = near_edge(seen, grid, CONFIG.limits(camera), floor_lost, BASELINE)
     ranges, evidence, clear = naive.near_edge(seen, grid, CONFIG.limits(camera), floor_lost, BASELINE)
     assert_allclose(found.ranges, ranges, rtol=1e-5)
-    assert_array_equal(found.evidence, evidence)
+    assert_array_equal(found.intensities, evidence)
     assert_allclose(found.clear, clear, rtol=1e-5)
     return found
 
