@@ -13,14 +13,21 @@ from cliffscan.common.runtime import config as configuration
 from cliffscan.common.runtime.config import ConfigError, ServiceConfig
 
 
+def config_class(service: str) -> type[ServiceConfig]:
+    """A service's configuration class. Raises ImportError where it cannot run here."""
+    kind: type[ServiceConfig] = getattr(
+        import_module(f"cliffscan.services.{service}.config"), f"{service.title()}Config"
+    )
+    return kind
+
+
 def load_config(service: str, file: Path | None, overrides: Sequence[str]) -> ServiceConfig:
     """A service's configuration. Raises ConfigError where the service would refuse it, or cannot run here."""
     try:
-        kind = getattr(import_module(f"cliffscan.services.{service}.config"), f"{service.title()}Config")
+        kind = config_class(service)
     except ImportError as error:
         raise ConfigError(f"{service} cannot run here: {error}; install cliffscan[all]") from error
-    config: ServiceConfig = configuration.load(service, kind, file, overrides)
-    return config
+    return configuration.load(service, kind, file, overrides)
 
 
 def check_world(name: str) -> None:

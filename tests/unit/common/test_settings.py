@@ -1,6 +1,5 @@
 """Each setting says once what it means, in which unit and range, and a dump prints it."""
 
-from importlib import import_module
 from typing import Annotated, Literal, get_args, get_origin
 
 import pytest
@@ -8,12 +7,8 @@ from pydantic import Field
 
 from cliffscan.common.runtime.config import SERVICES, ServiceConfig, dump
 from cliffscan.common.runtime.settings import settings
+from cliffscan.preflight import config_class
 from cliffscan.services.fuse.config import ExtraInput
-
-
-def config_class(service):
-    return getattr(import_module(f"cliffscan.services.{service}.config"), f"{service.title()}Config")
-
 
 CLASSES = [*map(config_class, SERVICES), ExtraInput]
 
