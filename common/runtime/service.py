@@ -169,7 +169,7 @@ def main(name: str, kind: type[C], serve: Callable[[Service[C]], None]) -> None:
     parser = argparse.ArgumentParser(prog=f"python -m services.{name}", description=sys.modules["__main__"].__doc__)
     options.add_network(parser)
     options.add_config(parser)
-    parser.add_argument("--dump-config", action="store_true", help="print the effective configuration and exit")
+    options.add_dump_config(parser)
     arguments = parser.parse_args()
     try:
         config = configuration.load(name, kind, arguments.config, arguments.set)
