@@ -25,8 +25,8 @@ def _virtual_floor(seen: Points, config: NegativeConfig) -> Beams:
 
 
 def _near_edge(seen: Points, config: NegativeConfig) -> Beams:
-    limits = config.limits(seen.view.camera)
-    return near_edge(seen, config.grid(), limits, config.floor_lost, config.baseline)
+    criteria = config.criteria(seen.view.camera)
+    return near_edge(seen, config.grid(), criteria, config.floor_lost, config.baseline)
 
 
 RUN: dict[Method, Callable[[Points, NegativeConfig], Beams]] = {
