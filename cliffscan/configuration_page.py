@@ -9,16 +9,18 @@ import json
 from collections.abc import Iterator
 from typing import get_args
 
-from cliffscan.common.runtime.config import PROFILE, PROFILES, SERVICES, ServiceConfig
+from cliffscan.common.perception.scans import ScanConfig
+from cliffscan.common.runtime.config import PROFILE, PROFILES, SERVICES, ServiceConfig, home_tables
 from cliffscan.common.runtime.settings import Setting, settings
 from cliffscan.preflight import config_class
 
 INTRODUCTION = """\
 # Configuration
 
-A TOML file changes settings, one table per service (`--config robot.toml`), and so does an option
-(`--set negative.range_min=0.2`). The option wins. The services refuse an unknown key or a bad value with one line and
-exit 2. `--dump-config` prints the settings that hold, with these comments, as a file that `--config` takes.
+A TOML file changes settings (`--config robot.toml`), and so does an option (`--set negative.range_min=0.2`). The option
+wins. Each service has a table; negative and positive also read the table `scan`, for they must agree on it. All refuse
+an unknown key or a bad value with one line and exit 2. `--dump-config` prints the settings that hold, with these
+comments, as a file that `--config` takes.
 
 The unit 1 is that of a ratio.
 
@@ -30,6 +32,7 @@ HEADER = "| setting | default | unit | range | meaning |\n|---|---|---|---|---|"
 def page() -> str:
     """The whole page."""
     parts = [INTRODUCTION, *_profiles()]
+    parts += _section(ScanConfig.TABLE, ScanConfig)
     for service in SERVICES:
         parts += _section(service, config_class(service))
     return "\n\n".join(parts) + "\n"
@@ -51,7 +54,8 @@ def _section(table: str, kind: type[ServiceConfig]) -> Iterator[str]:
     """The section of a table, then those of the tables that users name themselves."""
     yield f"## {table}"
     yield (kind.__doc__ or "").strip().splitlines()[0]
-    below = {each: _named_tables(each) for each in settings(kind)}
+    homes = home_tables(table, kind)
+    below = {each: _named_tables(each) for each in settings(kind) if homes[each.name] == table}
     yield "\n".join([HEADER, *(_row(table, each) for each, tables in below.items() if not tables)])
     for each, tables in below.items():
         if tables:

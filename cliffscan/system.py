@@ -16,7 +16,7 @@ from typing import Literal, Self
 from cliffscan import preflight
 from cliffscan.common.runtime import config as configuration
 from cliffscan.common.runtime.bus import Bus, Network, NotConnected
-from cliffscan.common.runtime.config import SENSING, SERVICES, ConfigError, meant_for
+from cliffscan.common.runtime.config import SENSING, SERVICES, TABLES, ConfigError, meant_for
 from cliffscan.common.runtime.service import StopSignal
 from cliffscan.common.runtime.suggest import suggest
 from cliffscan.hang_up import hang_up_stops
@@ -121,14 +121,14 @@ class Plan:
         world = ["capture.source=simulator", f"capture.world={self.world}"] if self.world else []
         plan = replace(self, overrides=[*self.overrides, *world])
         configs = {service: preflight.load_config(service, plan.config, plan.own(service)) for service in SERVICES}
-        return "\n".join(configuration.dump(service, config) for service, config in configs.items())
+        return configuration.dump(configs)
 
     def check(self) -> None:
         """Raise ConfigError for what a process would refuse, or must not be together, before any is started."""
         for override in self.overrides:
             if not any(meant_for(service, override) for service in SERVICES):
-                expected, meant = ", ".join(SERVICES), suggest(override.partition(".")[0], SERVICES)
-                raise ConfigError(f"--set {override}: expected SERVICE.KEY=VALUE, SERVICE one of {expected}{meant}")
+                expected, meant = ", ".join(TABLES), suggest(override.partition(".")[0], TABLES)
+                raise ConfigError(f"--set {override}: expected TABLE.KEY=VALUE, TABLE one of {expected}{meant}")
         said = configuration.given("capture", CaptureConfig, self.config, self.own("capture"))
         if self.world:
             self._check_world(said)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Annotated, Self
+from typing import Annotated, ClassVar, Self
 
 from pydantic import Field, model_validator
 
@@ -33,25 +33,25 @@ WARMUP_IMAGE = DepthImage(  # a frame in which nothing was seen: what kernels ar
 
 
 class ScanConfig(ServiceConfig):
-    """The beams and limits of the scans that a depth image becomes."""
+    """What positive and negative agree on: the beams and limits of scans, and what is floor."""
+
+    TABLE: ClassVar[str] = "scan"
 
     beams: Annotated[int, Field(ge=2, le=limits.MOST_BEAMS)] = 640
     """Number of beams of a scan."""
     field_of_view: Annotated[float, Field(gt=0, lt=180)] = 58.0
     """Angle [deg] between the first and the last beam."""
-    range_min: Annotated[float, limits.RANGE_MIN] = 0.0
-    """Least distance [m] that is reported; nearer points are parts of the robot itself."""
     range_max: Annotated[float, limits.RANGE_MAX] = 10.0
     """Largest distance [m] that is reported."""
     scan_time: Annotated[float, limits.PERIOD] = 1 / 30
     """Time [s] between two scans."""
     floor_band: Annotated[float, Field(gt=0, le=0.5)] = 0.03
     """Height [m] above and below the plane that counts as floor."""
+    steepest: Annotated[float, Field(ge=0, le=20)] = 5.0
+    """Slope [deg] up to which a ramp is floor."""
 
     @model_validator(mode="after")
-    def _limits(self) -> Self:
-        if self.range_min >= self.range_max:
-            raise ValueError(f"range_max {self.range_max} is not above range_min {self.range_min}")
+    def _wide_enough(self) -> Self:
         if self.grid().increment < limits.FINEST_INCREMENT:
             raise ValueError(f"field_of_view {self.field_of_view} is too narrow for {self.beams} beams")
         return self
@@ -61,22 +61,34 @@ class ScanConfig(ServiceConfig):
         half = math.radians(self.field_of_view) / 2
         return Grid.between(self.beams, -half, half)
 
+    def steepest_rise(self) -> float:
+        """Rise per metre of the steepest ramp, as it may look at most."""
+        return math.tan(math.radians(self.steepest + UNSURE_SLOPE))
+
+
+class ImageScanConfig(ScanConfig):
+    """What positive and negative each have of their own, too."""
+
+    range_min: Annotated[float, limits.RANGE_MIN] = 0.0
+    """Least distance [m] that is reported; nearer points are parts of the robot itself."""
+
+    @model_validator(mode="after")
+    def _limits(self) -> Self:
+        if self.range_min >= self.range_max:
+            raise ValueError(f"range_max {self.range_max} is not above range_min {self.range_min}")
+        return self
+
     def reach(self, camera: Camera) -> float:
-        """How far [m] a scan tells: range_max, but no farther than the sensor."""
+        """How far [m] a scan reports: range_max, but no farther than the sensor."""
         return max(self.range_min, min(self.range_max, reach(camera)))
 
 
-def steepest_rise(degrees: float) -> float:
-    """Rise per metre of a ramp that steep, as it may look at most."""
-    return math.tan(math.radians(degrees + UNSURE_SLOPE))
-
-
-def points(image: DepthImage, config: ScanConfig, lower_than: float) -> Points:
+def points(image: DepthImage, config: ImageScanConfig, lower_than: float) -> Points:
     """What the rows of `image` that can show anything lower than that [m] above the floor tell of it."""
     return points_of(image.depth, image.camera, config.range_min, lower_than)
 
 
-def laser_scan(image: DepthImage, beams: Beams, config: ScanConfig) -> LaserScan:
+def laser_scan(image: DepthImage, beams: Beams, config: ImageScanConfig) -> LaserScan:
     """The message that tells `beams` of `image`, none of them beyond config.reach of its camera."""
     grid = config.grid()
     return LaserScan(

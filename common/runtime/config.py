@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import textwrap
 import tomllib
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, ClassVar, TypeVar
 
@@ -17,6 +17,8 @@ from cliffscan.common.runtime.suggest import suggest
 
 SENSING = ("capture", "negative", "positive", "fuse")
 SERVICES = (*SENSING, "kobuki")
+SHARED = {"scan": ("negative", "positive")}  # tables that several services read: what these must agree on
+TABLES = (*SHARED, *SERVICES)
 PROFILE = "profile"
 PROFILES = ("default", "paper")
 COMMENT_WIDTH = 110  # characters of a line of a dump
@@ -34,9 +36,11 @@ class ServiceConfig(BaseModel):
 
     The docstring below a field says what it means, with its unit in brackets, as `[m/s]`; its range is its type's.
     PROFILES: what other defaults a value has where `profile` names one of them.
+    TABLE: of a class that several services' classes derive from, the table of SHARED that its fields are read from.
     """
 
     PROFILES: ClassVar[Profiles] = {}
+    TABLE: ClassVar[str] = ""
 
     model_config = ConfigDict(
         strict=True, frozen=True, extra="forbid", allow_inf_nan=False, use_attribute_docstrings=True
@@ -52,6 +56,15 @@ class ServiceConfig(BaseModel):
 C = TypeVar("C", bound=ServiceConfig)
 
 
+def home_tables(service: str, kind: type[ServiceConfig]) -> dict[str, str]:
+    """The table that each field is read from: the service's own, or one that it shares."""
+    homes = dict.fromkeys(kind.model_fields, service)
+    for base in kind.__mro__:
+        if "TABLE" in vars(base) and issubclass(base, ServiceConfig) and base.TABLE:
+            homes |= dict.fromkeys(base.model_fields, base.TABLE)
+    return homes
+
+
 def load(service: str, kind: type[C], file: Path | None, overrides: Iterable[str]) -> C:
     """The configuration of `service` from its table in `file`, with `overrides` on top. Raises ConfigError.
 
@@ -61,54 +74,72 @@ def load(service: str, kind: type[C], file: Path | None, overrides: Iterable[str
     try:
         return kind.model_validate({**kind.PROFILES.get(profile, {}), **table})
     except ValidationError as error:
-        raise ConfigError(f"{service}.{explain(error)}{_meant(kind, error)}") from error
+        first = error.errors()[0]["loc"]
+        home = home_tables(service, kind).get(str(first[0]), service) if first else service
+        raise ConfigError(f"{home}.{explain(error)}{_meant(kind, error)}") from error
 
 
 def given(service: str, kind: type[ServiceConfig], file: Path | None, overrides: Iterable[str]) -> dict[str, Any]:
-    """What `file` and `overrides` say of `service`, whether it is valid or not. Raises ConfigError."""
+    """What `file` and `overrides` give `service`, whether it is valid or not. Raises ConfigError."""
     return _given(service, kind, file, overrides)[1]
 
 
 def _given(
     service: str, kind: type[ServiceConfig], file: Path | None, overrides: Iterable[str]
 ) -> tuple[str, dict[str, Any]]:
-    """The profile's name and the table that are given."""
-    tables = _read_tables(file) if file else {}
-    profile, table = tables.get(PROFILE, PROFILES[0]), tables.get(service, {})
+    """The profile's name and the values that are given."""
+    read = _read_tables(file) if file else {}
+    homes = home_tables(service, kind)
+    profile, tables = read.get(PROFILE, PROFILES[0]), {name: read.get(name, {}) for name in (service, *homes.values())}
     for override in overrides:
         key, equals, text = override.partition("=")
         if key.strip() == PROFILE and equals:
             profile = _profile(_value(text.strip()), f"--set {override}")
         else:
-            _override(table, service, override, kind)
-    return profile, table
+            _override(tables, service, override, kind)
+    for name, table in tables.items():
+        for key in table:
+            if homes.get(key, name) != name:
+                raise ConfigError(f"{name}.{key}: write {homes[key]}.{key}, for it has one home")
+            if key not in homes and name != service:
+                raise ConfigError(f"{name}.{key}: is not known here{suggest(key, homes)}")
+    return profile, {key: value for table in tables.values() for key, value in table.items()}
 
 
-def dump(service: str, config: ServiceConfig) -> str:
-    """The effective configuration as TOML that load() reads back to the same.
+def dump(configs: Mapping[str, ServiceConfig]) -> str:
+    """The effective configuration of services by name, as TOML that load() reads back to the same.
 
-    A comment above each value says what it means, one at the top what the table lacks.
+    A comment above each value says what it means, one at a table's top what it lacks.
     """
-    return _lack(config) + "\n".join(_lines([service], config)) + "\n"
+    tables: dict[str, str] = {}
+    for service, config in configs.items():
+        homes = home_tables(service, type(config))
+        for table in sorted(set(homes.values()), key=lambda name: name == service):
+            lines = _lines([table], config, [name for name in homes if homes[name] == table])
+            tables.setdefault(table, (_lack(config) if table == service else "") + "\n".join(lines) + "\n")
+    return "\n".join(tables.values())
 
 
 def meant_for(service: str, override: str) -> bool:
-    """Whether a service takes this KEY=VALUE: one of its own values, or the profile."""
-    return override.startswith(f"{service}.") or override.partition("=")[0].strip() == PROFILE
+    """Whether a service takes this KEY=VALUE: one of its own values or of a table that it shares, or the profile."""
+    tables = [service, *(table for table, readers in SHARED.items() if service in readers)]
+    return override.startswith(tuple(f"{table}." for table in tables)) or override.partition("=")[0].strip() == PROFILE
 
 
-def _lines(path: Sequence[str], config: ServiceConfig) -> Iterator[str]:
-    """The lines of the table at `path`, then those of the tables below it."""
+def _lines(path: Sequence[str], config: ServiceConfig, names: Collection[str]) -> Iterator[str]:
+    """The lines of the table at `path`, which has the fields `names`, then those of the tables below it."""
     yield from _header(path)
     values = config.model_dump(mode="json")
     below: list[str] = []
     for setting in settings(type(config)):
         comment = textwrap.wrap(setting.comment(), COMMENT_WIDTH, initial_indent="# ", subsequent_indent="# ")
         tables = getattr(config, setting.name)
+        if setting.name not in names:
+            continue
         if isinstance(tables, dict):
             below += ["", *comment, *_header([*path, setting.name])]
             for name, table in tables.items():
-                below += ["", *_lines([*path, setting.name, name], table)]
+                below += ["", *_lines([*path, setting.name, name], table, type(table).model_fields)]
         else:
             yield from comment
             yield tomli_w.dumps({setting.name: values[setting.name]}).rstrip("\n")
@@ -152,23 +183,27 @@ def _read_tables(file: Path) -> dict[str, Any]:
         if name == PROFILE:
             _profile(table, str(file))
             continue
-        if name not in SERVICES:
-            expected = ", ".join(SERVICES)
-            raise ConfigError(f"{file}: unknown table [{name}], expected one of {expected}{suggest(name, SERVICES)}")
+        if name not in TABLES:
+            expected = ", ".join(TABLES)
+            raise ConfigError(f"{file}: unknown table [{name}], expected one of {expected}{suggest(name, TABLES)}")
         if not isinstance(table, dict):
             raise ConfigError(f"{file}: {name} is no table; write [{name}] and its keys below")
     return tables
 
 
-def _override(table: dict[str, Any], service: str, override: str, kind: type[ServiceConfig]) -> None:
-    """Set one value of `table`; a dotted key reaches into its tables. A text that looks like a number stays a text."""
+def _override(tables: dict[str, Any], service: str, override: str, kind: type[ServiceConfig]) -> None:
+    """Set one value of the tables that `service` reads; a dotted key reaches into the tables below them.
+
+    A text that looks like a number stays a text where the field is one.
+    """
     key, equals, text = override.partition("=")
     head, *path = key.strip().split(".")
     if not equals or not path:
         raise ConfigError(f"--set {override}: expected {service}.KEY=VALUE")
-    if head != service:
-        meant = suggest(head, [service])
-        raise ConfigError(f"--set {override}: this service reads {service}.KEY only{meant}")
+    if head not in tables:
+        readable = " and ".join(f"{name}.KEY" for name in tables)
+        raise ConfigError(f"--set {override}: this service reads {readable} only{suggest(head, list(tables))}")
+    table = tables[head]
     for part in path[:-1]:
         table = table.setdefault(part, {})
         if not isinstance(table, dict):

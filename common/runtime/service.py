@@ -176,7 +176,7 @@ def main(name: str, kind: type[C], serve: Callable[[Service[C]], None]) -> None:
     except ConfigError as error:
         parser.exit(USAGE_ERROR, f"{name}: {error}\n")
     if arguments.dump_config:
-        sys.stdout.write(configuration.dump(name, config))
+        sys.stdout.write(configuration.dump({name: config}))
         parser.exit(0)
     logging.basicConfig(level=logging.INFO, format=f"%(asctime)s %(levelname)s {name}: %(message)s")
     try:

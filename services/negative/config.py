@@ -8,7 +8,7 @@ from pydantic import Field, model_validator
 
 from cliffscan.common.contract.camera import Camera
 from cliffscan.common.contract.message import ListAsTuple
-from cliffscan.common.perception.scans import ScanConfig, steepest_rise
+from cliffscan.common.perception.scans import ImageScanConfig
 from cliffscan.common.runtime.config import Profiles
 from cliffscan.services.negative.floor_following import FloorCriteria
 from cliffscan.services.negative.near_edge import FloorLost
@@ -18,10 +18,10 @@ Method = Literal["farthest_point", "virtual_floor", "near_edge"]
 TRUSTED = 0.97  # of the sensor's range; beyond, noise takes depths out of it
 
 
-class NegativeConfig(ScanConfig):
-    """The beams of the scans, the methods to run and combine, and what a floor is."""
+class NegativeConfig(ImageScanConfig):
+    """The methods to run and combine, and what the floor's end is."""
 
-    PROFILES: ClassVar[Profiles] = {"paper": {"methods": ["farthest_point", "virtual_floor"], "floor_band": 0.03}}
+    PROFILES: ClassVar[Profiles] = {"paper": {"methods": ["farthest_point", "virtual_floor"]}}
 
     methods: Annotated[tuple[Method, ...], ListAsTuple, Field(min_length=1)] = ("near_edge",)
     """The methods whose scans are combined into scan/negative."""
@@ -29,8 +29,6 @@ class NegativeConfig(ScanConfig):
     # near_edge
     floor_lost: FloorLost = "counts"
     """What floor without data is: it counts as a drop, counts only beside_drop that is seen, or is ignored."""
-    steepest: Annotated[float, Field(ge=0, le=20)] = 5.0
-    """Slope [deg] up to which a ramp is floor."""
     least_drop: Annotated[float, Field(ge=0.01, le=0.2)] = 0.025
     """Height [m] of the lowest step down that is a drop; a lower one is floor."""
     least_gap: Annotated[float, Field(ge=0.02, le=1)] = 0.12
@@ -53,7 +51,7 @@ class NegativeConfig(ScanConfig):
     def criteria(self, camera: Camera) -> FloorCriteria[float]:
         """What near_edge takes for floor in images of a camera."""
         near, far = camera.range
-        slope = steepest_rise(self.steepest)
+        slope = self.steepest_rise()
         return FloorCriteria(
             near, min(TRUSTED * far, self.sight), self.noise, self.grazing, slope, self.least_drop, self.least_gap
         )

@@ -6,17 +6,17 @@ from typing import Annotated, ClassVar, Self
 
 from pydantic import Field, model_validator
 
-from cliffscan.common.perception.scans import ScanConfig, steepest_rise
+from cliffscan.common.perception.scans import ImageScanConfig
 from cliffscan.common.runtime.config import Profiles
 
 
-class PositiveConfig(ScanConfig):
-    """The beams of the scan and what stands in the robot's way."""
+class PositiveConfig(ImageScanConfig):
+    """What stands in the robot's way."""
 
-    PROFILES: ClassVar[Profiles] = {"paper": {"steepest": 0.0}}
+    PROFILES: ClassVar[Profiles] = {"paper": {"flat_floor": True}}
 
-    steepest: Annotated[float, Field(ge=0, le=20)] = 5.0
-    """Slope [deg] up to which a ramp is floor, as for negative; 0: the floor is flat."""
+    flat_floor: bool = False
+    """Whether the floor is taken to be flat, as in the paper: no ramp is floor."""
     robot_height: Annotated[float, Field(gt=0)] = 0.42
     """Height [m] of the robot, a TurtleBot 2's by default; it passes under what is higher."""
 
@@ -29,4 +29,4 @@ class PositiveConfig(ScanConfig):
     @property
     def slope(self) -> float:
         """Rise per metre of the steepest floor, as it may look; 0 where the floor is flat."""
-        return steepest_rise(self.steepest) if self.steepest else 0.0
+        return 0.0 if self.flat_floor else self.steepest_rise()

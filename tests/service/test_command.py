@@ -136,10 +136,10 @@ def test_echo_prints_what_is_said_and_what_is_wrong_with_it(client, start, place
 
 
 def test_up_refuses_what_a_service_refuses(client, run):
-    process = run(cliffscan("up", "--robot", client.robot, "--listen", free_endpoint(), "--set", "negative.beams=none"))
+    process = run(cliffscan("up", "--robot", client.robot, "--listen", free_endpoint(), "--set", "scan.beams=none"))
     process.expected = 2
     assert process.end() == 2
-    assert "cliffscan: negative.beams: " in process.said
+    assert "cliffscan: scan.beams: " in process.said
 
 
 def test_up_refuses_a_setting_of_no_service():

@@ -92,7 +92,7 @@ def test_a_depth_folder_is_drawn_and_counted_and_what_is_bad_left_out(tmp_path, 
     [
         (["--data", "nowhere-at-all"], "demo: nowhere-at-all/camera.json: No such file or directory"),
         (["--world", "nowhere"], "demo: no world is named 'nowhere'"),
-        (["--set", "negative.floor_band=no"], "demo: negative.floor_band: "),
+        (["--set", "scan.floor_band=no"], "demo: scan.floor_band: "),
         (["--frames", "0"], "expected a whole number above 0"),
     ],
 )

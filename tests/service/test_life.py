@@ -38,7 +38,7 @@ def test_dump_config_reads_back_to_itself(service, tmp_path):
 @pytest.mark.parametrize(
     ("options", "reason"),
     [
-        (["--set", "negative.floor_band=-1"], "negative.floor_band"),
+        (["--set", "scan.floor_band=-1"], "scan.floor_band"),
         (["--set", "negative.colour=red"], "negative.colour"),
         (["--set", "negative.methods=[]"], "negative.methods"),
         (["--set", "floor_band"], "expected negative.KEY=VALUE"),

@@ -83,7 +83,7 @@ def test_scans_keep_the_contract(client, ears):
 
 @pytest.fixture
 def negative(client, start):
-    start("negative", "--set", "negative.beams=160")
+    start("negative", "--set", "scan.beams=160")
 
 
 def test_by_default_negative_is_near_edge(client, negative):

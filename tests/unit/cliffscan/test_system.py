@@ -53,13 +53,14 @@ def test_a_service_reaches_a_router_that_listens_anywhere(listen, endpoint):
 
 
 def test_a_service_gets_the_configuration_and_its_own_overrides():
-    overrides = ["capture.rate=5", "fuse.timeout=1", "capture.path=/a b", "negative.beams=2", "capture.source=replay"]
+    overrides = ["capture.rate=5", "fuse.timeout=1", "capture.path=/a b", "scan.beams=2", "capture.source=replay"]
     Plan(overrides=overrides).check()
     plan = Plan(config=Path("/etc/robot.toml"), overrides=overrides)
     command = plan.service("capture")
     assert option(command, "--config") == ["/etc/robot.toml"]
     assert option(command, "--set") == ["capture.rate=5", "capture.path=/a b", "capture.source=replay"]
-    assert option(plan.service("positive"), "--set") == []
+    assert option(plan.service("positive"), "--set") == option(plan.service("negative"), "--set") == ["scan.beams=2"]
+    assert option(plan.service("fuse"), "--set") == ["fuse.timeout=1"]
 
 
 @pytest.mark.parametrize("name", SERVICES)
@@ -81,7 +82,7 @@ def test_the_router_understands_its_command_line():
 
 @pytest.mark.parametrize("override", ["rate=5", "camera.rate=5", "", "=", "capture=5", " capture.rate=5"])
 def test_an_override_of_no_service_is_refused(override):
-    with pytest.raises(ConfigError, match=r"expected SERVICE\.KEY=VALUE, SERVICE one of capture, negative"):
+    with pytest.raises(ConfigError, match=r"expected TABLE\.KEY=VALUE, TABLE one of scan, capture, negative"):
         Plan(overrides=[override]).check()
 
 
@@ -231,10 +232,10 @@ def test_a_dump_of_all_services_is_taken_again(words, tmp_path):
         return plan_of(build_parser().parse_args(["up", *words, *more]))
 
     file = tmp_path / "robot.toml"
-    file.write_text(plan("--set", "negative.beams=90", "--set", "fuse.inputs.lidar.key=scan/lidar").dump())
+    file.write_text(plan("--set", "scan.beams=90", "--set", "fuse.inputs.lidar.key=scan/lidar").dump())
     tables = tomllib.loads(file.read_text())
-    assert list(tables) == list(SERVICES)
-    assert tables["negative"]["beams"] == 90
+    assert set(tables) == {"scan", *SERVICES}
+    assert tables["scan"]["beams"] == 90
     again = plan("--config", str(file))
     again.check()
     assert again.dump() == file.read_text()

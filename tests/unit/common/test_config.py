@@ -4,7 +4,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cliffscan.common.runtime.config import ConfigError, dump, load
+from cliffscan.common.perception.scans import ScanConfig
+from cliffscan.common.runtime.config import SERVICES, SHARED, ConfigError, dump, home_tables, load, meant_for
+from cliffscan.preflight import config_class
 from cliffscan.services.capture.config import CaptureConfig
 from cliffscan.services.fuse.config import FuseConfig
 from cliffscan.services.negative.config import NegativeConfig
@@ -26,8 +28,14 @@ def file(tmp_path):
     return write
 
 
+def reader(override):
+    """A service that reads the table of an override."""
+    table = override.split(".")[0]
+    return SHARED.get(table, [table])[0]
+
+
 def overridden(*overrides):
-    service = overrides[0].split(".")[0]
+    service = reader(overrides[0])
     return load(service, KINDS[service], None, overrides)
 
 
@@ -44,12 +52,14 @@ def test_with_nothing_said_the_defaults_hold(service, file):
 
 
 def test_a_file_has_a_table_for_each_service(file):
-    path = file("[capture]\nrate = 10\n[negative]\nbeams = 90\nmethods = ['virtual_floor']\n[fuse]\ntimeout = 1\n")
+    path = file(
+        "[capture]\nrate = 10\n[scan]\nbeams = 90\n[negative]\nmethods = ['virtual_floor']\n[fuse]\ntimeout = 1\n"
+    )
     assert load("capture", CaptureConfig, path, []).rate == 10.0
     negative = load("negative", NegativeConfig, path, [])
     assert (negative.beams, negative.methods) == (90, ("virtual_floor",))
     assert load("fuse", FuseConfig, path, []).timeout == 1.0
-    assert load("positive", PositiveConfig, path, []) == PositiveConfig()
+    assert load("positive", PositiveConfig, path, []) == PositiveConfig(beams=90)
 
 
 def test_overrides_win_over_the_file_and_the_last_over_the_first(file):
@@ -80,7 +90,7 @@ def test_a_nested_table_may_be_in_the_file_or_overridden(file):
         ("capture.range=[1, 4.5]", "range", (1.0, 4.5)),
         ("capture.intrinsics=[525, 525.5, 319.5, 239.5]", "intrinsics", (525.0, 525.5, 319.5, 239.5)),
         ('negative.methods=["virtual_floor"]', "methods", ("virtual_floor",)),
-        ("negative.beams=1_000", "beams", 1000),
+        ("scan.beams=1_000", "beams", 1000),
         ("capture.path=", "path", ""),
         ('capture.path="/a b"', "path", "/a b"),
     ],
@@ -125,8 +135,8 @@ def test_any_path_survives_an_override_and_a_dump(path):
 
 CHANGED = {
     "capture": ['capture.path=/data/it\'s "odd"\\=ü\n#', "capture.compressed=false", "capture.range=[0.1, 65]"],
-    "negative": ["negative.beams=2", "negative.scan_time=1e-9", 'negative.methods=["virtual_floor"]'],
-    "positive": ["positive.robot_height=1e15", "positive.range_max=12345.75"],
+    "negative": ["scan.beams=2", "scan.scan_time=1e-9", 'negative.methods=["virtual_floor"]'],
+    "positive": ["positive.robot_height=1e15", "scan.range_max=12345.75"],
     "fuse": [LIDAR, "fuse.inputs.lidar.x=-1e-3", "fuse.inputs.a b.key=x", "fuse.inputs..key=y"],
 }
 
@@ -134,8 +144,8 @@ CHANGED = {
 @pytest.mark.parametrize("overrides", [[], *CHANGED.values()], ids=["defaults", *CHANGED])
 @pytest.mark.parametrize("service", KINDS)
 def test_what_is_dumped_can_be_loaded(service, overrides, file):
-    config = load(service, KINDS[service], None, [each for each in overrides if each.startswith(service)])
-    assert load(service, KINDS[service], file(dump(service, config)), []) == config
+    config = load(service, KINDS[service], None, [each for each in overrides if meant_for(service, each)])
+    assert load(service, KINDS[service], file(dump({service: config})), []) == config
 
 
 UNKNOWN_KEYS = ["capture.sorce=x", "negative.height=0.3", "fuse.inputs.lidar.mount=1", "positive.=1", "capture. rate=1"]
@@ -154,20 +164,20 @@ capture.rate=0 capture.rate=-1 capture.rate=1001 capture.rate=inf capture.rate=n
 capture.pitch=87 capture.pitch=-87 capture.roll=181 capture.device=-1 capture.device=1.5 capture.source=webcam
 capture.range=[0.5] capture.range=[1,2,3] capture.range=0.5 capture.intrinsics=[1,2,3]
 capture.intrinsics=[0,1,1,1] capture.range=[inf,1] capture.depth_mode=10bit capture.loop=2 capture.seed=-1
-negative.beams=1 negative.beams=20001 negative.beams=64.5 negative.field_of_view=0 negative.field_of_view=180
-negative.range_min=-1 negative.range_max=0 negative.scan_time=-1 negative.floor_band=0 negative.floor_band=0.6
+scan.beams=1 scan.beams=20001 scan.beams=64.5 scan.field_of_view=0 scan.field_of_view=180
+negative.range_min=-1 scan.range_max=0 scan.scan_time=-1 scan.floor_band=0 scan.floor_band=0.6
 negative.methods=[] negative.methods=farthest_point negative.methods=["nearest"] negative.methods={}
 positive.robot_height=0 fuse.timeout=0 fuse.timeout=-1 fuse.inputs=5 fuse.inputs.lidar=5 fuse.inputs.lidar.x=1
 fuse.inputs.l.key=/scan fuse.inputs.l.key=scan/ fuse.inputs.l.key=a/*/b fuse.inputs.l.key=** fuse.inputs.l.key=a$b
 capture.rate=yes capture.rate=[] capture.rate={} capture.rate=1979-05-27 capture.rate=07:32:00 capture.rate=
-capture.compressed=maybe capture.compressed=[] fuse.timeout=soon negative.range_min=10 negative.range_max=inf
+capture.compressed=maybe capture.compressed=[] fuse.timeout=soon negative.range_min=10 scan.range_max=inf
 """
 
 
 @pytest.mark.parametrize("override", OUT_OF_BOUNDS.split())
 def test_a_bad_value_is_refused_by_its_key(override):
-    service, key = override.split("=")[0].split(".")[:2]
-    assert refusal(service, None, override).startswith((f"{service}.{key}", f"{service}.range_max"))
+    table, key = override.split("=")[0].split(".")[:2]
+    assert refusal(reader(override), None, override).startswith((f"{table}.{key}", f"{table}.range_max"))
 
 
 @pytest.mark.parametrize(
@@ -184,16 +194,36 @@ def test_values_that_contradict_each_other_are_refused(override, named):
     assert named in refusal(override.split(".")[0], None, override)
 
 
+@pytest.mark.parametrize("service", SHARED["scan"])
+@pytest.mark.parametrize("key", ScanConfig.model_fields)
+def test_what_services_must_agree_on_has_one_home(service, key, file):
+    for refused in (refusal(service, None, f"{service}.{key}=1"), refusal(service, file(f"[{service}]\n{key} = 1"))):
+        assert refused == f"{service}.{key}: write scan.{key}, for it has one home"
+
+
+def test_the_shared_table_has_nothing_else(file):
+    assert (
+        refusal("negative", None, "scan.range_min=1") == "scan.range_min: write negative.range_min, for it has one home"
+    )
+    assert refusal("negative", file("[scan]\nbeam = 1")).startswith("scan.beam: is not known here")
+
+
+@pytest.mark.parametrize("service", SERVICES)
+def test_a_service_reads_the_tables_that_its_class_shares(service):
+    shared = {table for table, readers in SHARED.items() if service in readers}
+    assert set(home_tables(service, config_class(service)).values()) == {service, *shared}
+
+
 def test_a_refusal_speaks_of_a_configuration_not_of_a_message():
     assert "negative.message" not in refusal("negative", None, "negative.range_min=10")
 
 
-NO_NUMBERS = ["capture.rate=true", "capture.device=true", "negative.scan_time=false", "capture.range=[true, 4.5]"]
+NO_NUMBERS = ["capture.rate=true", "capture.device=true", "scan.scan_time=false", "capture.range=[true, 4.5]"]
 
 
 @pytest.mark.parametrize("override", [*NO_NUMBERS, 'capture.rate="30"', "capture.compressed=0.0"])
 def test_a_truth_a_number_and_a_text_are_not_the_same(override):
-    assert override.split("=")[0] in refusal(override.split(".")[0], None, override)
+    assert override.split("=")[0] in refusal(reader(override), None, override)
 
 
 @pytest.mark.parametrize(
@@ -220,7 +250,7 @@ def test_an_extra_input_is_a_scan_of_somebody_else(key):
     assert "fuse.inputs" in refusal("fuse", None, f"fuse.inputs.lidar.key={key}")
 
 
-BAD_OVERRIDES = ["rate=3", "capture", "capture=5", "", "=", ".", "capture.rate", "nonsense.rate=3", "negative.beams=9"]
+BAD_OVERRIDES = ["rate=3", "capture", "capture=5", "", "=", ".", "capture.rate", "nonsense.rate=3", "scan.beams=9"]
 
 
 @pytest.mark.parametrize("override", BAD_OVERRIDES)

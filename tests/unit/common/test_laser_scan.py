@@ -12,11 +12,11 @@ from cliffscan.common.contract.camera import reach
 from cliffscan.common.contract.depth_codec import RAW
 from cliffscan.common.contract.messages import DepthImage, LaserScan
 from cliffscan.common.perception.combine import beams_with, within
-from cliffscan.common.perception.scans import WARMUP_IMAGE, ScanConfig, laser_scan, points
+from cliffscan.common.perception.scans import WARMUP_IMAGE, ImageScanConfig, laser_scan, points
 from tests.build import camera
 
 INF, NAN = math.inf, math.nan
-CONFIG = ScanConfig(beams=5, range_max=3.0)
+CONFIG = ImageScanConfig(beams=5, range_max=3.0)
 
 
 def image(view=None, millimetres=2000):
@@ -56,7 +56,7 @@ def test_range_max_is_no_farther_than_the_sensor_reaches():
     scan = laser_scan(image(view), beams(1, 2, INF, NAN, 1), CONFIG)
     assert scan.range_max == CONFIG.reach(view) == pytest.approx(reach(view))
     assert laser_scan(image(camera()), beams(1, 2, INF, NAN, 1), CONFIG).range_max == 3.0
-    assert ScanConfig(range_min=2.9, range_max=3.0).reach(view) == 2.9
+    assert ImageScanConfig(range_min=2.9, range_max=3.0).reach(view) == 2.9
 
 
 def test_what_the_sensor_sees_at_the_end_of_its_reach_is_reported():
@@ -76,18 +76,18 @@ def test_a_scan_can_be_read_back(ranges):
 @pytest.mark.parametrize("beams", [2, 640, 20_000])
 @pytest.mark.parametrize("view", [1.2, 58.0, 179.9])
 def test_the_grid_is_as_configured(beams, view):
-    grid = ScanConfig(beams=beams, field_of_view=view).grid()
+    grid = ImageScanConfig(beams=beams, field_of_view=view).grid()
     assert grid.beams == beams
     assert grid.angle_max - grid.angle_min == pytest.approx(math.radians(view))
     assert grid.angle_max == -grid.angle_min
 
 
 def test_points_nearer_than_range_min_are_left_out():
-    near = points(image(millimetres=600), ScanConfig(range_min=0.9), INF)
+    near = points(image(millimetres=600), ImageScanConfig(range_min=0.9), INF)
     assert np.isnan(near.heights).all()
-    assert np.isfinite(points(image(millimetres=600), ScanConfig(range_min=0.5), INF).heights).all()
+    assert np.isfinite(points(image(millimetres=600), ImageScanConfig(range_min=0.5), INF).heights).all()
 
 
 def test_the_blank_frame_is_a_frame():
     assert DepthImage.decode(WARMUP_IMAGE.encode()).camera == WARMUP_IMAGE.camera
-    assert np.isnan(points(WARMUP_IMAGE, ScanConfig(), INF).heights).all()
+    assert np.isnan(points(WARMUP_IMAGE, ImageScanConfig(), INF).heights).all()

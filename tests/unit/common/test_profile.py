@@ -13,7 +13,7 @@ PAPER = ("farthest_point", "virtual_floor")
 @pytest.fixture
 def file(tmp_path):
     path = tmp_path / "robot.toml"
-    path.write_text("profile = 'paper'\n[negative]\nbeams = 90\n")
+    path.write_text("profile = 'paper'\n[scan]\nbeams = 90\n")
     return path
 
 
@@ -28,7 +28,7 @@ def test_by_default_near_edge_runs_alone():
 def test_paper_is_the_papers_pipeline():
     paper = negative(None, "profile=paper")
     assert paper.methods == PAPER
-    assert paper == NegativeConfig(methods=PAPER, floor_band=0.03)
+    assert paper == NegativeConfig(methods=PAPER)
 
 
 def test_a_file_may_name_the_profile(file):
@@ -50,7 +50,7 @@ def test_a_profile_leaves_the_services_alone_that_it_does_not_name(file):
 
 
 def test_the_papers_floor_is_flat():
-    assert load("positive", PositiveConfig, None, ["profile=paper"]) == PositiveConfig(steepest=0.0)
+    assert load("positive", PositiveConfig, None, ["profile=paper"]) == PositiveConfig(flat_floor=True)
 
 
 @pytest.mark.parametrize("profile", ["scissors", "", "Paper", "paper x"])

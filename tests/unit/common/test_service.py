@@ -6,7 +6,7 @@ import pytest
 from cliffscan.common.contract.depth_codec import ENCODINGS
 from cliffscan.common.contract.messages import DepthImage
 from cliffscan.common.contract.topics import DEPTH, SCAN_POSITIVE
-from cliffscan.common.perception.scans import ScanConfig
+from cliffscan.common.perception.scans import ImageScanConfig
 from tests import build
 
 BAD = {
@@ -27,7 +27,7 @@ def frame(seq, stamp, **changes):
 
 @pytest.fixture
 def service():
-    return build.service("positive", ScanConfig())
+    return build.service("positive", ImageScanConfig())
 
 
 @pytest.fixture

@@ -34,7 +34,7 @@ def test_a_setting_has_meaning_unit_and_range():
 
 
 def test_a_dump_has_the_comment_above_the_value():
-    lines = dump("toaster", Toaster()).splitlines()
+    lines = dump({"toaster": Toaster()}).splitlines()
     assert lines[:3] == [
         "[toaster]",
         "# Heating power [W], of both slots together. Above 0, at most 2500.",

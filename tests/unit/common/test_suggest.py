@@ -21,7 +21,7 @@ def test_what_is_like_none_is_answered_with_nothing():
     ("text", "why"),
     [
         ("[negatve]\nbeams = 3", r"unknown table \[negatve\], expected .*; did you mean negative\?$"),
-        ("[negative]\nflor_band = 0.1", r"^negative\.flor_band: is not known here; did you mean floor_band\?$"),
+        ("[scan]\nflor_band = 0.1", r"^scan\.flor_band: is not known here; did you mean floor_band\?$"),
         ("[negative]\ncolour = 1", r"^negative\.colour: is not known here$"),
     ],
 )
@@ -33,5 +33,7 @@ def test_a_file_is_answered_so(text, why, tmp_path):
 
 
 def test_a_service_is_answered_so():
-    with pytest.raises(ConfigError, match=r"this service reads negative\.KEY only; did you mean negative\?$"):
+    with pytest.raises(
+        ConfigError, match=r"this service reads negative\.KEY and scan\.KEY only; did you mean negative\?$"
+    ):
         config.load("negative", NegativeConfig, None, ["negatve.beams=3"])

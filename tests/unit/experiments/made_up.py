@@ -7,7 +7,7 @@ from cliffscan.common.contract.evidence import Evidence
 from cliffscan.common.contract.messages import DepthImage
 from cliffscan.common.perception.combine import beams_with, combine
 from cliffscan.common.perception.point_heights import points_of
-from cliffscan.common.perception.scans import ScanConfig, laser_scan
+from cliffscan.common.perception.scans import ImageScanConfig, laser_scan
 from cliffscan.services.negative.farthest_point import farthest_point
 from cliffscan.services.negative.virtual_floor import virtual_floor
 from cliffscan.services.positive.projection import projection
@@ -26,7 +26,7 @@ def image(name="hole and box", seq=0, stamp=1):
 
 def frame(name="hole and box", seq=0, stamp=1):
     depth = image(name, seq, stamp)
-    config = ScanConfig(beams=80)
+    config = ImageScanConfig(beams=80)
     seen, grid = points_of(depth.depth, depth.camera), config.grid()
     negative = [
         beams_with(farthest_point(seen, grid, BAND), Evidence.FARTHEST_FLOOR),
@@ -41,6 +41,6 @@ def blank_frame():
     """A frame in which nothing was seen at all."""
     depth = image()
     dark = DepthImage.pack(0, 1, "optical", np.zeros_like(depth.depth), depth.camera, RAW)
-    config = ScanConfig(beams=80)
+    config = ImageScanConfig(beams=80)
     unseen = beams_with(np.full(80, np.nan, np.float32), Evidence.NOTHING)
     return Frame(dark, {path: laser_scan(dark, unseen, config) for path in PATHS})

@@ -88,7 +88,7 @@ def test_no_point_in_the_way_is_farther_than_its_beam_says(height, pitch, roll, 
     camera = scenes.camera(12, 10, FloorPlane.from_mount(height, pitch, roll))
     depth = np.random.default_rng(seed).integers(0, 7000, (10, 12)).astype(np.uint16)
     # no beam begins, ends or has its middle where a column does
-    flat, default = (PositiveConfig(beams=30, field_of_view=57, steepest=steepest) for steepest in (0.0, 5.0))
+    flat, default = (PositiveConfig(beams=30, field_of_view=57, flat_floor=flat) for flat in (True, False))
     picture = DepthImage.pack(1, 1, "camera", depth, camera, RAW)
     found, with_ramps = positive_scan(picture, flat).ranges, positive_scan(picture, default).ranges
     for beam, x, y, above in naive.points(depth, camera, flat.grid()):
