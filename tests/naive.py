@@ -14,8 +14,8 @@ import numpy as np
 
 from cliffscan.common.contract.beam_grid import Grid
 from cliffscan.common.contract.camera import Camera
-from cliffscan.common.perception.image_region import View
-from cliffscan.common.perception.point_heights import Points
+from cliffscan.common.perception.image_region import ImageRegion
+from cliffscan.common.perception.point_heights import PointHeights
 from cliffscan.services.negative.column_edges import AGREE, NARROWEST, SIDE
 from cliffscan.services.negative.floor_following import End, FloorCriteria
 from cliffscan.services.negative.near_edge import APART
@@ -119,39 +119,39 @@ def combine(array_a: np.ndarray, array_b: np.ndarray) -> np.ndarray:
 
 
 def near_edge(
-    points: Points, grid: Grid, criteria: FloorCriteria, floor_lost: str, baseline: float
+    points: PointHeights, grid: Grid, criteria: FloorCriteria, floor_lost: str, baseline: float
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Ours: each column is followed over the floor, to where it ends. The beams' ranges, evidence and clear."""
-    view, height = points.view, np.float32(points.view.camera.floor.d)
-    rates, order = view.up.single(-1.0), rows_outward(view, criteria)
-    columns = range(view.shape[1])
+    region, height = points.region, np.float32(points.region.camera.floor.d)
+    rates, order = region.up.single(-1.0), rows_outward(region, criteria)
+    columns = range(region.shape[1])
     if not order:
         return np.full(grid.beams, math.nan), np.zeros(grid.beams), np.zeros(grid.beams)
     traced = [naive_trace.floor_trace(points.heights, order, rates, height, criteria, column) for column in columns]
     ends, rows, levels, sure, sure_levels = (list(each) for each in zip(*traced, strict=True))
     outward = 1 if order[-1] > order[0] else -1
-    disparity = baseline * view.camera.intrinsics.fx
+    disparity = baseline * region.camera.intrinsics.fx
     for u in columns:
-        lost = ends[u] == End.NO_RETURN and not view.transposed
+        lost = ends[u] == End.NO_RETURN and not region.transposed
         if lost and naive_trace.shadowed(points.heights, rates, height, u, rows[u], outward, disparity):
             ends[u] = End.OCCLUDED
     averages = [averaged(ends, rows, levels, u) for u in columns]
-    places = [place(view, u, max(rows[u], 0), averages[u]) for u in columns]
-    clear = [surely(view, u, places[u], rows[u], sure[u], sure_levels[u]) for u in columns]
+    places = [place(region, u, max(rows[u], 0), averages[u]) for u in columns]
+    clear = [surely(region, u, places[u], rows[u], sure[u], sure_levels[u]) for u in columns]
     doubt(ends, places, floor_lost)
     return of_beams(ends, places, clear, grid)
 
 
-def rows_outward(view: View, criteria: FloorCriteria) -> list[int]:
+def rows_outward(region: ImageRegion, criteria: FloorCriteria) -> list[int]:
     """The rows that see floor, near to far: of those that see it within a centimetre of each other, the nearest."""
-    columns = [0, view.shape[1] // 2, view.shape[1] - 1]
-    rows = list(range(view.shape[0]))
-    if view.up.rows[0] > view.up.rows[1]:
+    columns = [0, region.shape[1] // 2, region.shape[1] - 1]
+    rows = list(range(region.shape[0]))
+    if region.up.rows[0] > region.up.rows[1]:
         rows.reverse()
     chosen, before = [], None
     for row in rows:
-        downward = [-(view.up.rows[row] + view.up.columns[column]) for column in columns]
-        inverse = [rate / view.camera.floor.d for rate in downward]
+        downward = [-(region.up.rows[row] + region.up.columns[column]) for column in columns]
+        inverse = [rate / region.camera.floor.d for rate in downward]
         steps = [math.floor(1 / (APART * max(each, 0.5 / criteria.far))) for each in inverse]
         if steps != before and any(each > 0.5 / criteria.far and each > 0 for each in inverse):
             chosen.append(row)
@@ -172,22 +172,22 @@ def averaged(ends: list[End], rows: list[int], levels: list[np.float32], u: int)
     return sum(alike) / len(alike)
 
 
-def place(view: View, u: int, row: int, level: float) -> tuple[float, float, float]:
+def place(region: ImageRegion, u: int, row: int, level: float) -> tuple[float, float, float]:
     """Azimuth and range at which a pixel's ray meets floor at that level, and how much of azimuth the pixel covers."""
-    forward, left, up = (axis.columns[u] + axis.rows[row] for axis in (view.forward, view.left, view.up))
-    depth = np.divide(level - view.camera.floor.d, up)
-    across = [axis.columns[1] - axis.columns[0] for axis in (view.forward, view.left)]
+    forward, left, up = (axis.columns[u] + axis.rows[row] for axis in (region.forward, region.left, region.up))
+    depth = np.divide(level - region.camera.floor.d, up)
+    across = [axis.columns[1] - axis.columns[0] for axis in (region.forward, region.left)]
     width = abs(across[1] * forward - across[0] * left) / (forward**2 + left**2)
     return math.atan2(left, forward), math.hypot(forward, left) * depth, width
 
 
 def surely(
-    view: View, u: int, end: tuple[float, float, float], row: int, sure: int, level: float
+    region: ImageRegion, u: int, end: tuple[float, float, float], row: int, sure: int, level: float
 ) -> tuple[float, float]:
     """Azimuth and range up to which a column shows floor throughout: to its end, or to where it was last sure."""
     if sure < 0:
         return end[0], 0.0
-    return end[:2] if sure == row else place(view, u, sure, level)[:2]
+    return end[:2] if sure == row else place(region, u, sure, level)[:2]
 
 
 def doubt(ends: list[End], places: list[tuple[float, float, float]], floor_lost: str) -> None:

@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 from cliffscan.common.contract.beam_fields import Ranges
 from cliffscan.common.contract.beam_grid import Grid
 from cliffscan.common.contract.camera import Floats
-from cliffscan.common.perception.image_region import View
+from cliffscan.common.perception.image_region import ImageRegion
 
 Indices = NDArray[np.int32]
 
@@ -31,33 +31,33 @@ NOTHING = np.float32(np.inf)  # what a pixel says that tells nothing
 LOOKED = np.float32(1e30)  # and one that tells that nothing is there
 
 
-class Sight(NamedTuple):
+class BeamReduction(NamedTuple):
     """Stretches of rows, and the beams that get a column's least value at a stretch's end.
 
-    Stretch s has the rows starts[s] to starts[s + 1], and gives[s] to gives[s + 1] are the rows of `given` (n, 3) that
-    belong to its end: a column, the first beam that sees it, and the one after the last.
+    Stretch s has the rows starts[s] to starts[s + 1]. Rows ends[s] to ends[s + 1] of handed_over (n, 3) belong to its
+    end: a column, the first beam that sees it, and the one after the last.
     """
 
     starts: Indices
-    gives: Indices
-    given: Indices
+    ends: Indices
+    handed_over: Indices
     beams: int
 
 
 @lru_cache(maxsize=8)
-def sight_of(view: View, grid: Grid) -> Sight:
-    """What the beams of `grid` see of a view."""
-    edges = _lines(view, np.clip(grid.edges(), -ABREAST, ABREAST))
-    return Sight(*_stretches(*edges, *_lines(view, grid.angles()), *view.shape), grid.beams)
+def beam_reduction(region: ImageRegion, grid: Grid) -> BeamReduction:
+    """What the beams of `grid` see of a region."""
+    edges = _lines(region, np.clip(grid.edges(), -ABREAST, ABREAST))  # equation (2) rounds to the beam between two
+    return BeamReduction(*_stretches(*edges, *_lines(region, grid.angles()), *region.shape), grid.beams)
 
 
-def _lines(view: View, azimuths: Floats) -> tuple[Floats, Floats]:
+def _lines(region: ImageRegion, azimuths: Floats) -> tuple[Floats, Floats]:
     """The column at which a line of constant azimuth [rad] crosses row 0, and how much it moves with each row.
 
-    Seen from above, a ray has azimuth a where left·cos a - forward·sin a is 0, which is affine in (u, v).
+    Seen from above, a ray has azimuth a, equation (1), where left·cos a - forward·sin a is 0: affine in (u, v).
     """
     cos, sin = np.cos(azimuths), np.sin(azimuths)
-    left, forward = view.left, view.forward
+    left, forward = region.left, region.forward
     growth = (left.columns[1] - left.columns[0]) * cos - (forward.columns[1] - forward.columns[0]) * sin
     start = (left.columns[0] + left.rows[0]) * cos - (forward.columns[0] + forward.rows[0]) * sin
     slope = (left.rows[1] - left.rows[0]) * cos - (forward.rows[1] - forward.rows[0]) * sin
@@ -68,10 +68,10 @@ def _lines(view: View, azimuths: Floats) -> tuple[Floats, Floats]:
 def _stretches(
     edges: Floats, edge_moves: Floats, middles: Floats, middle_moves: Floats, rows: int, columns: int
 ) -> tuple[Indices, Indices, Indices]:
-    """The stretches of a Sight, row by row; a beam is looked at again only where one of its lines reaches a column."""
+    """The stretches, row by row; a beam is looked at again only where one of its lines reaches a column."""
     beams = len(middles)
-    starts, gives = np.zeros(rows + 1, np.int32), np.zeros(rows + 1, np.int32)
-    given = np.empty((rows * columns + columns, 3), np.int32)
+    starts, ends = np.zeros(rows + 1, np.int32), np.zeros(rows + 1, np.int32)
+    handed_over = np.empty((rows * columns + columns, 3), np.int32)
     first, last, due = np.zeros(beams, np.int64), np.full(beams, -1, np.int64), np.zeros(beams, np.int64)
     seen_from, seen_to = np.zeros(columns, np.int64), np.zeros(columns, np.int64)
     now_from, now_to = np.zeros(columns, np.int64), np.zeros(columns, np.int64)
@@ -106,17 +106,22 @@ def _stretches(
         before = count
         for column in touched[:touches]:
             if row and (now_from[column] != seen_from[column] or now_to[column] != seen_to[column]):
-                given[count, 0], given[count, 1], given[count, 2] = column, seen_from[column], seen_to[column]
+                handed_over[count, 0], handed_over[count, 1], handed_over[count, 2] = (
+                    column,
+                    seen_from[column],
+                    seen_to[column],
+                )
                 count += 1
             seen_from[column], seen_to[column] = now_from[column], now_to[column]
         if row == 0 or count > before:
-            starts[stretches], gives[stretches] = row, count
+            starts[stretches], ends[stretches] = row, count
             stretches += 1
     for column in range(columns):
-        given[count, 0], given[count, 1], given[count, 2] = column, seen_from[column], seen_to[column]
+        handed_over[count, 0] = column
+        handed_over[count, 1], handed_over[count, 2] = seen_from[column], seen_to[column]
         count += 1
-    starts[stretches], gives[stretches] = rows, count
-    return starts[: stretches + 1].copy(), gives[: stretches + 1].copy(), given[:count].copy()
+    starts[stretches], ends[stretches] = rows, count
+    return starts[: stretches + 1].copy(), ends[: stretches + 1].copy(), handed_over[:count].copy()
 
 
 @njit(cache=True, error_model="numpy")
@@ -138,28 +143,28 @@ def _rows_until(at: float, move: float) -> float:
     return rows
 
 
-def least(values: Ranges, sight: Sight) -> Ranges:
+def min_per_beam(values: Ranges, reduction: BeamReduction) -> Ranges:
     """The least that the pixels of each beam say: (beams,); NaN where none says anything, +inf where they only LOOKED.
 
     values: (stretches, columns), the least of each column's pixels in each stretch of rows; NOTHING and LOOKED count.
     """
-    told = give(values, sight.gives, sight.given, sight.beams)
+    told = _min_per_beam(values, reduction.ends, reduction.handed_over, reduction.beams)
     told[told == NOTHING] = np.nan
     told[told == LOOKED] = np.inf
     return told
 
 
 @njit(cache=True)
-def give(values: Ranges, gives: Indices, given: Indices, beams: int) -> Ranges:
+def _min_per_beam(values: Ranges, ends: Indices, handed_over: Indices, beams: int) -> Ranges:
     """The least value of each beam: (beams,)."""
     told, carried = np.full(beams, NOTHING), np.full(values.shape[1], NOTHING)
     for stretch in range(values.shape[0]):
         for column in range(values.shape[1]):
             value = values[stretch, column]
             carried[column] = value if value < carried[column] else carried[column]
-        for index in range(gives[stretch], gives[stretch + 1]):
-            column = given[index, 0]
-            for beam in range(given[index, 1], given[index, 2]):
+        for index in range(ends[stretch], ends[stretch + 1]):
+            column = handed_over[index, 0]
+            for beam in range(handed_over[index, 1], handed_over[index, 2]):
                 told[beam] = min(told[beam], carried[column])
             carried[column] = NOTHING
     return told

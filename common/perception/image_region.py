@@ -14,7 +14,7 @@ Millimetres = NDArray[np.uint16]
 
 
 @dataclass(frozen=True, eq=False)
-class View:
+class ImageRegion:
     """Rows of an image, in the orientation in which beams run nearer to its columns than to its rows."""
 
     camera: Camera
@@ -36,7 +36,7 @@ class View:
 
 
 @lru_cache(maxsize=8)
-def view_of(camera: Camera, lower_than: float) -> View:
+def image_region(camera: Camera, lower_than: float) -> ImageRegion:
     """The rows in which anything lower than `lower_than` [m] above the floor can be seen."""
     rows = _rows(camera, lower_than)
     intrinsics = camera.intrinsics._replace(cy=camera.intrinsics.cy - rows.start)
@@ -44,7 +44,7 @@ def view_of(camera: Camera, lower_than: float) -> View:
     _, left, _ = part
     transposed = abs(left.rows[1] - left.rows[0]) > abs(left.columns[1] - left.columns[0])
     forward, left, up = (Affine(axis.rows, axis.columns) if transposed else axis for axis in part)
-    return View(camera, rows, transposed, forward, left, up)
+    return ImageRegion(camera, rows, transposed, forward, left, up)
 
 
 def _rows(camera: Camera, lower_than: float) -> slice:

@@ -10,7 +10,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from cliffscan.common.contract.camera import Affine, Camera
-from cliffscan.common.perception.image_region import Millimetres, View, view_of
+from cliffscan.common.perception.image_region import ImageRegion, Millimetres, image_region
 
 Metres = NDArray[np.float32]
 
@@ -19,32 +19,34 @@ METRES = np.float32(MILLIMETRE)  # in one
 FARTHEST = np.iinfo(np.uint16).max  # [mm]
 
 
-class Points(NamedTuple):
+class PointHeights(NamedTuple):
     """What a depth image tells of the floor; pixels without a usable return have height NaN."""
 
     heights: Metres  # (rows, columns) [m] above the floor plane
     distances: Metres  # (rows, columns) [m] along the floor, from the point below the camera
-    view: View  # the part of the image that these are
+    region: ImageRegion  # the part of the image that these are
 
 
-def points_of(depth: Millimetres, camera: Camera, range_min: float = 0.0, lower_than: float = math.inf) -> Points:
+def point_heights(
+    depth: Millimetres, camera: Camera, range_min: float = 0.0, lower_than: float = math.inf
+) -> PointHeights:
     """The points of the rows of `depth` (rows, columns) [mm] that can show anything lower than `lower_than` [m].
 
     Depths outside the sensor's range and points nearer than range_min [m], parts of the robot, are left out.
     """
-    view = view_of(camera, lower_than)
+    region = image_region(camera, lower_than)
     near, far = (np.uint16(min(round(limit / MILLIMETRE), FARTHEST)) for limit in camera.range)
     heights, distances = _measure(
-        view.of(depth),
-        view.up.single(),
-        view.forward.single(),
-        view.left.single(),
+        region.of(depth),
+        region.up.single(),
+        region.forward.single(),
+        region.left.single(),
         np.float32(camera.floor.d),
         max(near, np.uint16(1)),
         far,
         np.float32(range_min),
     )
-    return Points(heights, distances, view)
+    return PointHeights(heights, distances, region)
 
 
 @njit(cache=True, error_model="numpy")
@@ -65,7 +67,7 @@ def _measure(
             depth = np.float32(millimetres[row, column]) * METRES
             ahead = forward.columns[column] + forward.rows[row]
             aside = left.columns[column] + left.rows[row]
-            distance = depth * np.sqrt(ahead * ahead + aside * aside)
+            distance = depth * np.sqrt(ahead * ahead + aside * aside)  # equation (3)
             height = depth * (up.columns[column] + up.rows[row]) + camera_height
             usable = (near <= millimetres[row, column]) & (millimetres[row, column] <= far)
             usable = usable & (ahead > 0) & (distance >= range_min)

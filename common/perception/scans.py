@@ -13,7 +13,6 @@ from cliffscan.common.contract.beam_grid import Grid
 from cliffscan.common.contract.camera import Camera, reach
 from cliffscan.common.contract.depth_codec import RAW
 from cliffscan.common.contract.messages import DepthImage, LaserScan
-from cliffscan.common.perception.point_heights import Points, points_of
 from cliffscan.common.runtime.config import ServiceConfig
 
 UNSURE_SLOPE = 1.8  # [deg] by which a slope may look steeper than it is
@@ -83,13 +82,8 @@ class ImageScanConfig(ScanConfig):
         return max(self.range_min, min(self.range_max, reach(camera)))
 
 
-def points(image: DepthImage, config: ImageScanConfig, lower_than: float) -> Points:
-    """What the rows of `image` that can show anything lower than that [m] above the floor tell of it."""
-    return points_of(image.depth, image.camera, config.range_min, lower_than)
-
-
 def laser_scan(image: DepthImage, beams: Beams, config: ImageScanConfig) -> LaserScan:
-    """The message that tells `beams` of `image`, none of them beyond config.reach of its camera."""
+    """The message with the `beams` of `image`, none of them beyond config.reach of its camera."""
     grid = config.grid()
     return LaserScan(
         seq=image.seq,

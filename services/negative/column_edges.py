@@ -32,7 +32,7 @@ def locate_edges(
     """Azimuth and width [rad] of each column and range [m] where its floor ends; range and azimuth where it was sure.
 
     (columns,) each; floor is sure up to 0 m where there is no such row.
-    end, row, level, sure, sure_level: as floor_trace has them; forward, left, up: of the view.
+    end, row, level, sure, sure_level: as floor_trace has them; forward, left, up: of the region.
     """
     columns = len(end)
     azimuths, widths, ranges = np.empty(columns), np.empty(columns), np.empty(columns)

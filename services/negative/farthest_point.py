@@ -7,17 +7,17 @@ from numba import njit
 
 from cliffscan.common.contract.beam_fields import Ranges
 from cliffscan.common.contract.beam_grid import Grid
-from cliffscan.common.perception.beam_reduction import NOTHING, Indices, least, sight_of
-from cliffscan.common.perception.point_heights import Metres, Points
+from cliffscan.common.perception.beam_reduction import NOTHING, Indices, beam_reduction, min_per_beam
+from cliffscan.common.perception.point_heights import Metres, PointHeights
 
 
-def farthest_point(points: Points, grid: Grid, floor_band: float) -> Ranges:
+def farthest_point(points: PointHeights, grid: Grid, floor_band: float) -> Ranges:
     """Range [m] of the farthest floor point in each beam: (beams,); NaN where a beam saw no floor.
 
     A floor point lies within floor_band [m] of the floor plane. Paper: algorithm 1, equations (1) to (3).
     """
-    sight = sight_of(points.view, grid)
-    return -least(nearness(points.heights, points.distances, sight.starts, floor_band), sight)
+    reduction = beam_reduction(points.region, grid)
+    return -min_per_beam(nearness(points.heights, points.distances, reduction.starts, floor_band), reduction)
 
 
 @njit(cache=True)

@@ -141,8 +141,8 @@ def floor_trace(
 
     The first row is where floor was last seen or, of a drop before any floor, the first that was looked at; the second
     is up to where floor was seen without a gap or a doubt; -1 = nowhere.
-    heights: (rows, columns) [m] as Points has them; order: the rows to look at, near to far; rates: what a ray loses in
-    height per metre of depth, float32; camera_height [m]; criteria: in single precision.
+    heights: (rows, columns) [m] as PointHeights has them; order: the rows to look at, near to far; rates: what a ray
+    loses in height per metre of depth, float32; camera_height [m]; criteria: in single precision.
     """
     near, far, noise, grazing, step = criteria.near, criteria.far, criteria.noise, criteria.grazing, criteria.step
     columns = heights.shape[1]

@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 from cliffscan.common.contract.beam_fields import Beams
 from cliffscan.common.contract.beam_grid import Grid
 from cliffscan.common.contract.evidence import Evidence
-from cliffscan.common.perception.image_region import View
-from cliffscan.common.perception.point_heights import Points
+from cliffscan.common.perception.image_region import ImageRegion
+from cliffscan.common.perception.point_heights import PointHeights
 from cliffscan.services.negative.column_beams import beams_of_columns
 from cliffscan.services.negative.column_edges import locate_edges, reject_unreliable
 from cliffscan.services.negative.floor_following import End, FloorCriteria, floor_trace, single
@@ -28,7 +28,7 @@ APART = 0.01  # [m] of floor between two rows that are looked at, where the imag
 
 
 def near_edge(
-    points: Points, grid: Grid, criteria: FloorCriteria[float], floor_lost: FloorLost, baseline: float
+    points: PointHeights, grid: Grid, criteria: FloorCriteria[float], floor_lost: FloorLost, baseline: float
 ) -> Beams:
     """Range [m] of the last floor before a drop in each beam, on what it rests, how far floor is clear: (beams,) each.
 
@@ -37,23 +37,23 @@ def near_edge(
     floor_lost: whether floor that is lost counts as a drop, only beside a drop that is seen, or not at all;
     baseline [m]: between the sensor's two eyes, or its eye and its projector.
     """
-    view = points.view
-    rates = view.up.single(-1.0)
-    height = np.float32(view.camera.floor.d)
-    order = rows_outward(view, criteria)
+    region = points.region
+    rates = region.up.single(-1.0)
+    height = np.float32(region.camera.floor.d)
+    order = rows_outward(region, criteria)
     if not len(order):
         nothing = np.zeros(grid.beams, np.float32)
         return Beams(ranges=np.full(grid.beams, np.nan, np.float32), intensities=nothing, clear=nothing)
     end, row, level, sure, sure_level = floor_trace(points.heights, order, rates, height, single(criteria))
-    if not view.transposed:  # a camera on its side has its eyes one above the other
+    if not region.transposed:  # a camera on its side has its eyes one above the other
         lost = np.flatnonzero(end == End.NO_RETURN)
-        outward = 1 if view.up.rows[1] > view.up.rows[0] else -1
-        disparity = baseline * view.camera.intrinsics.fx
+        outward = 1 if region.up.rows[1] > region.up.rows[0] else -1
+        disparity = baseline * region.camera.intrinsics.fx
         rows = row[lost].astype(np.int64)
         hidden = shadowed(points.heights, rates, height, lost, rows, outward, disparity, criteria.near)
         end[lost[hidden]] = End.OCCLUDED
     azimuths, widths, ranges, clear, doubted = locate_edges(
-        end, row, level, sure, sure_level, view.forward, view.left, view.up, view.camera.floor.d
+        end, row, level, sure, sure_level, region.forward, region.left, region.up, region.camera.floor.d
     )
     reject_unreliable(end, ranges, widths, floor_lost == "counts", floor_lost != "ignored")
     meaning = end.astype(np.int8)
@@ -68,13 +68,13 @@ WITHOUT_NUMBER[End.REACHED_RANGE] = np.inf
 
 
 @lru_cache(maxsize=4)
-def rows_outward(view: View, criteria: FloorCriteria[float]) -> NDArray[np.int32]:
-    """The rows of a view that see floor within the criteria, near to far, each at least APART beyond the one before."""
-    rows = np.arange(view.shape[0])
-    if view.up.rows[0] > view.up.rows[1]:
+def rows_outward(region: ImageRegion, criteria: FloorCriteria[float]) -> NDArray[np.int32]:
+    """The rows of a region that see floor in range, near to far, each at least APART beyond the one before."""
+    rows = np.arange(region.shape[0])
+    if region.up.rows[0] > region.up.rows[1]:
         rows = rows[::-1]
-    rate = -(view.up.rows[rows, None] + view.up.columns[None, [0, len(view.up.columns) // 2, -1]])
-    inverse = rate / view.camera.floor.d
+    rate = -(region.up.rows[rows, None] + region.up.columns[None, [0, len(region.up.columns) // 2, -1]])
+    inverse = rate / region.camera.floor.d
     floor = np.any((inverse > 0.5 / criteria.far) & (rate > 0.0), axis=1)
     steps = np.floor(1.0 / (APART * np.maximum(inverse, 0.5 / criteria.far)))
     moved = np.any(np.diff(steps, axis=0, prepend=-1.0) != 0.0, axis=1)

@@ -7,20 +7,20 @@ from numba import njit
 
 from cliffscan.common.contract.beam_fields import Ranges
 from cliffscan.common.contract.beam_grid import Grid
-from cliffscan.common.perception.beam_reduction import LOOKED, NOTHING, Indices, least, sight_of
-from cliffscan.common.perception.point_heights import Metres, Points
+from cliffscan.common.perception.beam_reduction import LOOKED, NOTHING, Indices, beam_reduction, min_per_beam
+from cliffscan.common.perception.point_heights import Metres, PointHeights
 
 
-def virtual_floor(points: Points, grid: Grid, floor_band: float) -> Ranges:
+def virtual_floor(points: PointHeights, grid: Grid, floor_band: float) -> Ranges:
     """Range [m] of the nearest point below the floor, moved along its ray up to the floor: (beams,).
 
     Below the floor means by more than floor_band [m]. +inf where floor and nothing below it was seen, NaN where
     neither was. Paper: algorithm 2, equations (4) and (5).
     """
-    sight = sight_of(points.view, grid)
-    band, height = np.float32(floor_band), np.float32(points.view.camera.floor.d)
-    moved = projected(points.heights, points.distances, sight.starts, band, height)
-    return least(moved, sight)
+    reduction = beam_reduction(points.region, grid)
+    band, height = np.float32(floor_band), np.float32(points.region.camera.floor.d)
+    moved = projected(points.heights, points.distances, reduction.starts, band, height)
+    return min_per_beam(moved, reduction)
 
 
 @njit(cache=True, error_model="numpy")
@@ -33,7 +33,7 @@ def projected(
         for row in range(starts[stretch], starts[stretch + 1]):
             for column in range(heights.shape[1]):
                 height = heights[row, column]
-                share = camera_height / (camera_height - height)  # y'/y of equation (4)
+                share = camera_height / (camera_height - height)  # y'/y: x moves by equation (4), y by (5)
                 value = distances[row, column] * share if height < -floor_band else LOOKED
                 value = value if height <= floor_band else NOTHING
                 before = nearest[stretch, column]

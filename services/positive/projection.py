@@ -11,8 +11,8 @@ from numba import njit
 
 from cliffscan.common.contract.beam_fields import Ranges
 from cliffscan.common.contract.beam_grid import Grid
-from cliffscan.common.perception.beam_reduction import LOOKED, NOTHING, Indices, least, sight_of
-from cliffscan.common.perception.point_heights import Metres, Points
+from cliffscan.common.perception.beam_reduction import LOOKED, NOTHING, Indices, beam_reduction, min_per_beam
+from cliffscan.common.perception.point_heights import Metres, PointHeights
 from cliffscan.services.positive.first_sight import first_floor
 
 ACROSS = np.float32(0.2)  # [m] of unseen floor over which it may rise
@@ -20,21 +20,21 @@ CLOSE = np.float32(0.02)  # [m] above a ramp, from where on a point is no longer
 ZERO = np.float32(0.0)
 
 
-def projection(points: Points, grid: Grid, floor_band: float, robot_height: float, slope: float) -> Ranges:
+def projection(points: PointHeights, grid: Grid, floor_band: float, robot_height: float, slope: float) -> Ranges:
     """Range [m] of the nearest point above the floor and not above the robot, in each beam: (beams,).
 
     floor_band [m] above the floor that was followed is floor; slope: rise per metre of the steepest one, 0 for the flat
     one of the paper; robot_height [m] above the floor plane. +inf where a beam saw floor, or below it, and nothing in
     the way; NaN where it saw neither: what is higher than the robot tells nothing of what stands below it.
     """
-    sight = sight_of(points.view, grid)
-    outward = 1 if points.view.up.rows[0] < points.view.up.rows[1] else -1
+    reduction = beam_reduction(points.region, grid)
+    outward = 1 if points.region.up.rows[0] < points.region.up.rows[1] else -1
     band, height, steepest = np.float32(floor_band), np.float32(robot_height), np.float32(slope)
     level, seen = first_floor(points.heights, points.distances, outward, band, steepest)
     standing = brought_down(
-        points.heights, points.distances, sight.starts, outward, band, height, steepest, level, seen
+        points.heights, points.distances, reduction.starts, outward, band, height, steepest, level, seen
     )
-    return least(standing, sight)
+    return min_per_beam(standing, reduction)
 
 
 @njit(cache=True)

@@ -5,13 +5,14 @@ from __future__ import annotations
 from cliffscan.common.contract.evidence import Evidence
 from cliffscan.common.contract.messages import DepthImage, LaserScan
 from cliffscan.common.perception.combine import beams_with, within
-from cliffscan.common.perception.scans import laser_scan, points
+from cliffscan.common.perception.point_heights import point_heights
+from cliffscan.common.perception.scans import laser_scan
 from cliffscan.services.positive.config import PositiveConfig
 from cliffscan.services.positive.projection import projection
 
 
 def positive_scan(image: DepthImage, config: PositiveConfig) -> LaserScan:
     """The nearest obstacle in each beam."""
-    seen = points(image, config, lower_than=config.robot_height)
+    seen = point_heights(image.depth, image.camera, config.range_min, lower_than=config.robot_height)
     ranges = projection(seen, config.grid(), config.floor_band, config.robot_height, config.slope)
     return laser_scan(image, within(beams_with(ranges, Evidence.POSITIVE), config.reach(image.camera)), config)

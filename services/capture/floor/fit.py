@@ -17,10 +17,12 @@ TOGETHER = 10.0  # neighbouring rays that err alike: a fit's information is coun
 SHORT = 3  # rings before a floor's end that may belong to what begins there, as a ramp's foot
 LOSS_SCALE = 4.0  # sigmas at which Tukey's loss stops to care
 ROUNDS = (1, 2)  # of least squares on one run of rays, before the run is followed anew
-GRAINS = (1.0, 2.0, 3.0)  # how much worse than a Kinect on a flat floor sensor and floor may be
+NOISE_SCALES = (1.0, 2.0, 3.0)  # how much worse than a Kinect on a flat floor sensor and floor may be
 CLOSE = 0.62  # share of a fit's rays that lie within one sigma where sigma is right; a little less than 0.68
 FEWEST = 60  # rays that a floor must have
-SHORTEST = 3.0  # rings that its beams see of it on the average, in grains: of a wall cut by a level plane it is less
+SHORTEST = (
+    3.0  # rings that its beams see of it on the average, in noise scales: of a wall cut by a level plane it is less
+)
 
 
 class Unseen(Exception):
@@ -44,18 +46,20 @@ class Fit(NamedTuple):
     share: float
 
 
-def refine(inverse: Singles, slopes: Singles, start: Floats, prior: Belief, grain: float) -> Refined:
+def refine(inverse: Singles, slopes: Singles, start: Floats, prior: Belief, noise_scale: float) -> Refined:
     """The most probable plane near `start`, given the prior and Tukey's loss of each ray of its run."""
-    trust = TOGETHER * grain**2
+    trust = TOGETHER * noise_scale**2
     information = prior.information * trust
     s = start
     for rounds in ROUNDS:
-        floor = run(misses(inverse, slopes, s[None])[0], grain, SHORT)
+        floor = run(misses(inverse, slopes, s[None])[0], noise_scale, SHORT)
         usable = np.flatnonzero(floor)
         rays, seen = slopes.reshape(3, -1).take(usable, axis=1), inverse.reshape(-1).take(usable)
         for _ in range(rounds):
             miss = seen - s.astype(np.float32) @ rays
-            weighted = rays * np.square(np.maximum(1.0 - np.square(miss * np.float32(1.0 / (LOSS_SCALE * grain))), 0.0))
+            weighted = rays * np.square(
+                np.maximum(1.0 - np.square(miss * np.float32(1.0 / (LOSS_SCALE * noise_scale))), 0.0)
+            )
             normal = weighted @ rays.T + information
             s = s + np.linalg.solve(normal, weighted @ miss + information @ (prior.mean - s))
     return Refined(Belief.informed(s, normal / trust), floor, miss, seen)
@@ -74,20 +78,20 @@ def find(rays: FloorRays, depth: NDArray[np.uint16], prior: Prior, turn: int) ->
     planes = planes[prior.allows(planes)]
     if not len(planes):
         raise Unseen("no plane is near the mount's")
-    belief, _, miss, seen = _at_finest_grain(inverse, rays.slopes, planes, prior.belief, turn)
+    belief, _, miss, seen = _at_least_noise_scale(inverse, rays.slopes, planes, prior.belief, turn)
     if not prior.allows(belief.mean[None])[0]:
         raise Unseen("no plane is near the mount's")
     height = rays.nominal.d / float(np.linalg.norm(belief.mean))
     return Fit(belief, height * math.sqrt(float(np.mean(np.square(miss / seen)))), len(miss) / count)
 
 
-def _at_finest_grain(inverse: Singles, slopes: Singles, planes: Floats, prior: Belief, turn: int) -> Refined:
-    """The best plane at the finest grain at which its rays scatter like noise."""
-    for grain in GRAINS:
-        refined = refine(inverse, slopes, best(inverse, slopes, planes, turn, grain), prior, grain)
+def _at_least_noise_scale(inverse: Singles, slopes: Singles, planes: Floats, prior: Belief, turn: int) -> Refined:
+    """The best plane at the least noise scale at which its rays scatter like noise."""
+    for noise_scale in NOISE_SCALES:
+        refined = refine(inverse, slopes, best(inverse, slopes, planes, turn, noise_scale), prior, noise_scale)
         size = len(refined.miss)
-        if np.count_nonzero(np.abs(refined.miss) <= grain) >= CLOSE * size:
+        if np.count_nonzero(np.abs(refined.miss) <= noise_scale) >= CLOSE * size:
             break
-    if size < max(FEWEST, SHORTEST * grain * np.count_nonzero(refined.floor.any(axis=-1))):
+    if size < max(FEWEST, SHORTEST * noise_scale * np.count_nonzero(refined.floor.any(axis=-1))):
         raise Unseen("too narrow a strip of it")
     return refined

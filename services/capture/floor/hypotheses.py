@@ -42,7 +42,7 @@ def hypotheses(inverse: Singles, slopes: Singles, prior: Belief, turn: int) -> F
     return np.vstack([prior.mean + steps, prior.mean])
 
 
-def best(inverse: Singles, slopes: Singles, planes: Floats, turn: int, grain: float) -> Floats:
+def best(inverse: Singles, slopes: Singles, planes: Floats, turn: int, noise_scale: float) -> Floats:
     """The plane that explains most floor that begins before the robot."""
     some = slice(turn % EVERY, None, EVERY)
-    return np.asarray(planes[int(np.argmax(support(misses(inverse[some], slopes[:, some], planes), grain)))])
+    return np.asarray(planes[int(np.argmax(support(misses(inverse[some], slopes[:, some], planes), noise_scale)))])

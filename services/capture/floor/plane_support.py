@@ -42,14 +42,14 @@ def before_second(strays: Bits) -> Bits:
     return (second & (~second + ONE)) - ONE
 
 
-def support(miss: Singles, grain: float) -> NDArray[np.int64]:
+def support(miss: Singles, noise_scale: float) -> NDArray[np.int64]:
     """How much floor that begins before the robot each plane explains: (planes,)."""
-    floor = before_second(bits(miss > ODD * grain))
-    close, likely = bits(miss <= CLOSE * grain) & floor, bits(miss <= LIKELY * grain) & floor
+    floor = before_second(bits(miss > ODD * noise_scale))
+    close, likely = bits(miss <= CLOSE * noise_scale) & floor, bits(miss <= LIKELY * noise_scale) & floor
     return np.asarray((np.bitwise_count(close) + np.bitwise_count(likely)).sum(axis=-1, dtype=np.int64))
 
 
-def run(miss: Singles, grain: float, short: int = 0) -> Flags:
+def run(miss: Singles, noise_scale: float, short: int = 0) -> Flags:
     """The rays of a plane's floor: (..., beams, rings); `short` rings fewer before each end."""
-    seen = bits(miss <= ODD * grain)
-    return flags(seen & (before_second(bits(miss > ODD * grain)) >> np.uint64(short)))
+    seen = bits(miss <= ODD * noise_scale)
+    return flags(seen & (before_second(bits(miss > ODD * noise_scale)) >> np.uint64(short)))

@@ -12,7 +12,8 @@ from cliffscan.common.contract.camera import reach
 from cliffscan.common.contract.depth_codec import RAW
 from cliffscan.common.contract.messages import DepthImage, LaserScan
 from cliffscan.common.perception.combine import beams_with, within
-from cliffscan.common.perception.scans import WARMUP_IMAGE, ImageScanConfig, laser_scan, points
+from cliffscan.common.perception.point_heights import point_heights
+from cliffscan.common.perception.scans import WARMUP_IMAGE, ImageScanConfig, laser_scan
 from tests.build import camera
 
 INF, NAN = math.inf, math.nan
@@ -23,6 +24,10 @@ def image(view=None, millimetres=2000):
     view = view or camera()
     depth = np.full((view.height, view.width), millimetres, np.uint16)
     return DepthImage.pack(11, 22, "camera", depth, view, RAW)
+
+
+def heights(image, config):
+    return point_heights(image.depth, image.camera, config.range_min)
 
 
 def beams(*ranges):
@@ -61,7 +66,7 @@ def test_range_max_is_no_farther_than_the_sensor_reaches():
 
 def test_what_the_sensor_sees_at_the_end_of_its_reach_is_reported():
     view = camera(reach=(0.5, 2.0))
-    corner = points(image(view, 2000), CONFIG, INF).distances.max()
+    corner = heights(image(view, 2000), CONFIG).distances.max()
     assert within(beams(corner), CONFIG.reach(view)).ranges[0] == np.float32(corner)
 
 
@@ -83,11 +88,11 @@ def test_the_grid_is_as_configured(beams, view):
 
 
 def test_points_nearer_than_range_min_are_left_out():
-    near = points(image(millimetres=600), ImageScanConfig(range_min=0.9), INF)
+    near = heights(image(millimetres=600), ImageScanConfig(range_min=0.9))
     assert np.isnan(near.heights).all()
-    assert np.isfinite(points(image(millimetres=600), ImageScanConfig(range_min=0.5), INF).heights).all()
+    assert np.isfinite(heights(image(millimetres=600), ImageScanConfig(range_min=0.5)).heights).all()
 
 
 def test_the_blank_frame_is_a_frame():
     assert DepthImage.decode(WARMUP_IMAGE.encode()).camera == WARMUP_IMAGE.camera
-    assert np.isnan(points(WARMUP_IMAGE, ImageScanConfig(), INF).heights).all()
+    assert np.isnan(heights(WARMUP_IMAGE, ImageScanConfig()).heights).all()

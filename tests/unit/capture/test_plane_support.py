@@ -11,11 +11,11 @@ RINGS = 64
 FLAGS = arrays.arrays(np.bool_, (3, RINGS))
 
 
-def naive_run(miss, grain, short):
+def naive_run(miss, noise_scale, short):
     """The rings of one beam that are floor, looked at one after another."""
-    strays = [ring for ring, off in enumerate(miss) if off > 3.0 * grain]
+    strays = [ring for ring, off in enumerate(miss) if off > 3.0 * noise_scale]
     end = strays[1] - short if len(strays) > 1 else RINGS - short
-    return [ring < end and off <= 3.0 * grain for ring, off in enumerate(miss)]
+    return [ring < end and off <= 3.0 * noise_scale for ring, off in enumerate(miss)]
 
 
 @given(FLAGS)
@@ -36,8 +36,8 @@ def test_the_second_stray_ends_the_floor(strays):
     st.sampled_from([1.0, 2.0]),
     st.sampled_from([0, 3]),
 )
-def test_a_run_is_what_a_slow_look_at_each_beam_makes_it(miss, grain, short):
-    assert run(miss, grain, short).tolist() == [naive_run(beam, grain, short) for beam in miss]
+def test_a_run_is_what_a_slow_look_at_each_beam_makes_it(miss, noise_scale, short):
+    assert run(miss, noise_scale, short).tolist() == [naive_run(beam, noise_scale, short) for beam in miss]
 
 
 def test_a_plane_through_the_rays_misses_none_and_has_most_support():

@@ -8,33 +8,33 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cliffscan.common.contract.beam_grid import Grid
-from cliffscan.common.perception.beam_reduction import LOOKED, NOTHING, least, sight_of
-from cliffscan.common.perception.image_region import view_of
+from cliffscan.common.perception.beam_reduction import LOOKED, NOTHING, beam_reduction, min_per_beam
+from cliffscan.common.perception.image_region import image_region
 from tests import naive
 from tests.build import camera
 
 GRID = Grid.between(33, -0.4, 0.4)
 
 
-def beams_of(sight, row, column):
+def beams_of(reduction, row, column):
     """The beams that see a pixel: those that get what its column carries from its stretch on."""
-    stretch = np.searchsorted(sight.starts, row, side="right") - 1
-    for given_column, first, end in sight.given[sight.gives[stretch] :]:
+    stretch = np.searchsorted(reduction.starts, row, side="right") - 1
+    for given_column, first, end in reduction.handed_over[reduction.ends[stretch] :]:
         if given_column == column:
             return set(range(first, end))
     raise AssertionError(f"no beam is ever given column {column}")
 
 
-def told_by(sight, columns, row, column, value=1.0):
+def told_by(reduction, columns, row, column, value=1.0):
     """The ranges of a view in which one pixel alone says anything."""
-    values = np.full((len(sight.starts) - 1, columns), NOTHING)
-    values[np.searchsorted(sight.starts, row, side="right") - 1, column] = value
-    return least(values, sight)
+    values = np.full((len(reduction.starts) - 1, columns), NOTHING)
+    values[np.searchsorted(reduction.starts, row, side="right") - 1, column] = value
+    return min_per_beam(values, reduction)
 
 
 def assert_sees_what_naive_sees(lens, grid, lower_than=math.inf):
-    view = view_of(lens, lower_than)
-    sight = sight_of(view, grid)
+    view = image_region(lens, lower_than)
+    reduction = beam_reduction(view, grid)
     expected = {}
     for row, column, beam in naive.pixels_of_beams(lens, grid):
         expected.setdefault((row, column), set()).add(beam)
@@ -45,9 +45,9 @@ def assert_sees_what_naive_sees(lens, grid, lower_than=math.inf):
             v += view.rows.start
             if naive.axes(lens)[0].dot(naive.ray(lens, v, u)) <= 0:
                 continue  # what looks backward holds no point
-            found = beams_of(sight, row, column)
+            found = beams_of(reduction, row, column)
             assert found == expected.get((v, u), set()), f"pixel {v}, {u}"
-            told = told_by(sight, columns, row, column)
+            told = told_by(reduction, columns, row, column)
             assert set(np.flatnonzero(~np.isnan(told))) == found
 
 
@@ -89,23 +89,25 @@ def test_a_beam_narrower_than_a_column_takes_the_one_that_covers_it(beams, offse
     lens = camera(16, 4, 16.0, centre=(7.5 + offset, 1.5))
     half = math.atan(6 / 16.0)  # all of it within the image
     grid = Grid.between(beams, -half, half)
-    sight = sight_of(view_of(lens, math.inf), grid)
-    seen = np.array([[beam in beams_of(sight, 0, column) for column in range(16)] for beam in range(beams)])
+    reduction = beam_reduction(image_region(lens, math.inf), grid)
+    seen = np.array([[beam in beams_of(reduction, 0, column) for column in range(16)] for beam in range(beams)])
     assert (seen.sum(axis=1) == 1).all()
     middle = 7.5 + offset - 16.0 * np.tan(grid.angles())
     assert (np.abs(seen.argmax(axis=1) - middle) <= 1).all()
 
 
 def test_a_level_camera_has_one_stretch_and_a_rolled_one_many():
-    level, rolled = (sight_of(view_of(camera(mount=(0.3, 0.0, roll)), math.inf), GRID) for roll in (0.0, 0.1))
+    level, rolled = (
+        beam_reduction(image_region(camera(mount=(0.3, 0.0, roll)), math.inf), GRID) for roll in (0.0, 0.1)
+    )
     assert len(level.starts) == 2
     assert len(rolled.starts) > 10
 
 
 def test_the_least_number_wins_over_having_looked_and_that_over_nothing():
-    sight = sight_of(view_of(camera(), math.inf), Grid.between(5, -0.4, 0.4))
+    reduction = beam_reduction(image_region(camera(), math.inf), Grid.between(5, -0.4, 0.4))
     for values, expected in (((2.0, 1.5), 1.5), ((LOOKED, 3.0), 3.0), ((NOTHING, LOOKED), math.inf)):
         said = np.full((1, 64), NOTHING)
         said[0, 31:33] = values  # both within the middle beam
-        assert least(said, sight)[2] == np.float32(expected)
-        assert np.isnan(least(said, sight)[[0, 4]]).all()
+        assert min_per_beam(said, reduction)[2] == np.float32(expected)
+        assert np.isnan(min_per_beam(said, reduction)[[0, 4]]).all()
