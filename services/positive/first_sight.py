@@ -23,8 +23,8 @@ def first_floor(
     """How high [m] the floor is where each column first sees it, and how far away [m] that is: (columns,) each.
 
     heights, distances [m]: (rows, columns) as PointHeights has them; outward: 1 where rows lead away from the robot, or
-    -1; slope: rise per metre of the steepest floor. 0 m high where no ramp comes into view, and where it is so low that it
-    lies in half of floor_band [m] above the plane.
+    -1; slope: rise per metre of the steepest floor. 0 m high where no ramp comes into view, and where it is so low that
+    it lies in half of floor_band [m] above the plane.
     """
     rows, columns = heights.shape
     level, seen = np.zeros(columns, np.float32), np.zeros(columns, np.float32)
