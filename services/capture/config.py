@@ -8,6 +8,7 @@ from typing import Annotated, ClassVar, Literal, Self, get_args
 from pydantic import Field, model_validator
 
 from cliffscan.common.contract.camera import Camera, FloorPlane, Intrinsics, check_camera
+from cliffscan.common.contract.description import TURTLEBOT_2, Place
 from cliffscan.common.contract.message import ListAsTuple
 from cliffscan.common.runtime.config import ConfigError, Profiles, ServiceConfig
 
@@ -32,6 +33,11 @@ class CaptureConfig(ServiceConfig):
     height: Annotated[float, Field(gt=0, le=20)] = 0.30  # [m] of the camera above the floor
     pitch: Annotated[float, Field(gt=-87, lt=87)] = 0.0  # [deg] the camera looks down
     roll: Annotated[float, Field(ge=-180, le=180)] = 0.0  # [deg] the camera leans to its right
+
+    # where the camera stands on the base, seen from the middle between the wheels
+    x: Annotated[float, Field(ge=-5, le=5)] = TURTLEBOT_2.x  # [m] ahead: the Kinect of a TurtleBot 2 stands behind
+    y: Annotated[float, Field(ge=-5, le=5)] = TURTLEBOT_2.y  # [m] to the left
+    yaw: Annotated[float, Field(ge=-180, le=180)] = math.degrees(TURTLEBOT_2.yaw)  # [deg] the camera looks to the left
 
     # replay
     path: str = ""  # a depth folder
@@ -67,6 +73,10 @@ class CaptureConfig(ServiceConfig):
     def mounted_floor(self) -> FloorPlane:
         """The floor as the mount has it."""
         return FloorPlane.from_mount(self.height, math.radians(self.pitch), math.radians(self.roll))
+
+    def place(self) -> Place:
+        """Where the camera stands on the base."""
+        return Place(self.x, self.y, math.radians(self.yaw))
 
     def kinect(self) -> Camera:
         """The Kinect as it is mounted."""
