@@ -55,7 +55,7 @@ class CameraDescription(Part):
             frame=frame,
             simulated=simulated,
             **place._asdict(),
-            nearest_floor=float((camera.floor.d * ahead[:, 0] / -ahead[:, 2]).min(initial=farthest)),
+            nearest_floor=max(float((camera.floor.d * ahead[:, 0] / -ahead[:, 2]).min(initial=farthest)), 0.0),
             farthest=farthest,
             field_of_view=(float(azimuths.min()), float(azimuths.max())) if len(floor) else (0.0, 0.0),
         )

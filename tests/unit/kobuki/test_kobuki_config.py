@@ -11,7 +11,10 @@ from cliffscan.services.kobuki.config import KobukiConfig
 @pytest.mark.parametrize(
     ("override", "remedy"),
     [
-        ("kobuki.camera_x=-0.1", "kobuki.camera_x is gone, for the camera's description says it: set capture.x instead"),
+        (
+            "kobuki.camera_x=-0.1",
+            "kobuki.camera_x is gone, for the camera's description says it: set capture.x instead",
+        ),
         ("kobuki.camera_yaw=5.0", "set capture.yaw instead"),
         ("kobuki.blind=1.0", "it follows from capture.height and capture.pitch"),
     ],
