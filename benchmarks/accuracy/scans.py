@@ -34,6 +34,6 @@ def beams_of(frame: Frame, names: Sequence[str]) -> dict[str, Beams]:
     scans = {name: known_scans()[name] for name in names}
     used = tuple(method for method in METHODS if any(method in methods for methods in scans.values()))
     image = DepthImage.pack(0, 0, "", frame.depth, frame.camera, RAW)
-    scans_found = negative_scans(image, CONFIG, used).by_method
-    found = {method: Beams(scan.ranges, scan.intensities, scan.clear) for method, scan in scans_found.items()}
+    told = negative_scans(image, CONFIG, used).by_method
+    found = {method: Beams(scan.ranges, scan.intensities, scan.clear) for method, scan in told.items()}
     return {name: combine([found[method] for method in methods]) for name, methods in scans.items()}
