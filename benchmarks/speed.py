@@ -43,10 +43,10 @@ OURS = NegativeConfig(methods=("near_edge",))
 ALL = NegativeConfig(methods=("farthest_point", "virtual_floor", "near_edge"))
 POSITIVE = PositiveConfig()
 COLD = """
-from cliffscan.common.perception.scans import BLANK
+from cliffscan.common.perception.scans import WARMUP_IMAGE
 from cliffscan.services.negative.config import NegativeConfig
 from cliffscan.services.negative.scans import negative_scans
-negative_scans(BLANK, NegativeConfig())
+negative_scans(WARMUP_IMAGE, NegativeConfig())
 """
 
 

@@ -40,6 +40,10 @@ log = logging.getLogger("cliffscan")
 def up(arguments: argparse.Namespace, stop: StopSignal) -> int:
     """Run everything until Ctrl-C."""
     plan = plan_of(arguments)
+    if arguments.dump_config:
+        plan.check()
+        sys.stdout.write(plan.dump())
+        return 0
     with System(plan, stop) as system:
         print(welcome(plan), file=sys.stderr, flush=True)
         told = False
@@ -143,6 +147,7 @@ def build_parser() -> argparse.ArgumentParser:
         f" Worlds: {', '.join(world_names())}, {RANDOM}SEED."
     )
     options.add_config(started)
+    options.add_dump_config(started)
     started.add_argument(
         "--base",
         choices=(SIMULATED, *get_args(Base)),

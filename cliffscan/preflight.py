@@ -10,16 +10,24 @@ from importlib import import_module
 from pathlib import Path
 
 from cliffscan.common.runtime import config as configuration
-from cliffscan.common.runtime.config import ConfigError
+from cliffscan.common.runtime.config import ConfigError, ServiceConfig
 
 
-def check_config(service: str, file: Path | None, overrides: Sequence[str]) -> None:
-    """Raise ConfigError where a service would refuse its configuration, or cannot run here."""
+def config_class(service: str) -> type[ServiceConfig]:
+    """A service's configuration class. Raises ImportError where it cannot run here."""
+    kind: type[ServiceConfig] = getattr(
+        import_module(f"cliffscan.services.{service}.config"), f"{service.title()}Config"
+    )
+    return kind
+
+
+def load_config(service: str, file: Path | None, overrides: Sequence[str]) -> ServiceConfig:
+    """A service's configuration. Raises ConfigError where the service would refuse it, or cannot run here."""
     try:
-        kind = getattr(import_module(f"cliffscan.services.{service}.config"), f"{service.title()}Config")
+        kind = config_class(service)
     except ImportError as error:
         raise ConfigError(f"{service} cannot run here: {error}; install cliffscan[all]") from error
-    configuration.load(service, kind, file, overrides)
+    return configuration.load(service, kind, file, overrides)
 
 
 def check_world(name: str) -> None:

@@ -113,6 +113,16 @@ class Plan:
         """The overrides that are meant for a service."""
         return [override for override in self.overrides if meant_for(service, override)]
 
+    def dump(self) -> str:
+        """All services' configuration as TOML; with the same base and world, --config takes it. Raises ConfigError.
+
+        The address of a simulation is not in it, for each start makes a new one.
+        """
+        world = ["capture.source=simulator", f"capture.world={self.world}"] if self.world else []
+        plan = replace(self, overrides=[*self.overrides, *world])
+        configs = {service: preflight.load_config(service, plan.config, plan.own(service)) for service in SERVICES}
+        return "\n".join(configuration.dump(service, config) for service, config in configs.items())
+
     def check(self) -> None:
         """Raise ConfigError for what a process would refuse, or must not be together, before any is started."""
         for override in self.overrides:
@@ -126,7 +136,7 @@ class Plan:
             self._check_camera(said.get("source"))
         for service in SERVICES:
             simulated = self._simulated_camera() if service == "capture" else []
-            preflight.check_config(service, self.config, [*self.own(service), *simulated])
+            preflight.load_config(service, self.config, [*self.own(service), *simulated])
 
     def _check_world(self, said: Mapping[str, object]) -> None:
         """A simulated robot has a camera and a base of its own. said: of capture. Raises ConfigError."""

@@ -12,7 +12,7 @@ from rich.progress import Progress
 from cliffscan.common.contract.messages import DepthImage, LaserScan
 from cliffscan.common.contract.topics import DEPTH, SCAN_FUSED, SCAN_NEGATIVE, SCAN_POSITIVE, scan_negative
 from cliffscan.common.runtime.config import SENSING, ConfigError
-from cliffscan.common.runtime.latest_queue import Inbox
+from cliffscan.common.runtime.latest_queue import LatestQueue
 from cliffscan.services.negative.config import Method, NegativeConfig
 from cliffscan.simulator.world import World
 from cliffscan.system import Plan, System
@@ -88,20 +88,20 @@ def collect(
     Raises Failed, ConfigRefused, SystemExit when told to stop.
     """
     task = progress.add_task(world, total=goal.total)
-    inbox: Inbox[tuple[str, bytes]] = Inbox(ROOM)
+    queue: LatestQueue[tuple[str, bytes]] = LatestQueue(ROOM)
     capture = [f"capture.world={world}", "capture.source=simulator", f"capture.rate={RATE}"]
     plan = Plan(f"demo-{os.getpid()}", [free_endpoint()], overrides=[*run.overrides, *capture])
     gathering = Gathering(names)
     with System(plan, run.stop) as system:
         run.stop.patient = True
         for path in (DEPTH.path, *names):
-            system.bus.subscribe(path, lambda key, payload: inbox.put((key, payload)))
+            system.bus.subscribe(path, lambda key, payload: queue.put((key, payload)))
         watch = Watch(system, SENSING, "collecting frames")
         while goal.done < goal.total and not run.stop.is_set():
             watch.look(goal)
             tell(progress, log)
             progress.update(task, completed=goal.done, description=f"{world}: {watch.state}")
-            arrived = inbox.get(TURN)
+            arrived = queue.get(TURN)
             if arrived and (frame := gathering.take(*decoded(*arrived))):
                 goal.frames.append(frame.with_paper())
         progress.update(task, completed=goal.done, description=f"{world}: ending the services")

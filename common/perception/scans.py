@@ -18,7 +18,7 @@ from cliffscan.common.runtime.config import ServiceConfig
 
 UNSURE_SLOPE = 1.8  # [deg] by which a slope may look steeper than it is
 FRAME = "camera_footprint"  # on the floor below the camera
-BLANK = DepthImage(  # a frame in which nothing was seen: what kernels are compiled on
+WARMUP_IMAGE = DepthImage(  # a frame in which nothing was seen: what kernels are compiled on
     seq=0,
     stamp=0,
     frame="",
@@ -36,11 +36,17 @@ class ScanConfig(ServiceConfig):
     """The beams and limits of the scans that a depth image becomes."""
 
     beams: Annotated[int, Field(ge=2, le=limits.MOST_BEAMS)] = 640
-    field_of_view: Annotated[float, Field(gt=0, lt=180)] = 58.0  # [deg] between the first and the last beam
-    range_min: Annotated[float, limits.RANGE_MIN] = 0.0  # [m] points nearer than this are parts of the robot itself
-    range_max: Annotated[float, limits.RANGE_MAX] = 10.0  # [m] nothing beyond is reported
-    scan_time: Annotated[float, limits.PERIOD] = 1 / 30  # [s] between two scans
-    floor_band: Annotated[float, Field(gt=0, le=0.5)] = 0.03  # [m] above and below the plane that count as floor
+    """Number of beams of a scan."""
+    field_of_view: Annotated[float, Field(gt=0, lt=180)] = 58.0
+    """Angle [deg] between the first and the last beam."""
+    range_min: Annotated[float, limits.RANGE_MIN] = 0.0
+    """Least distance [m] that is reported; nearer points are parts of the robot itself."""
+    range_max: Annotated[float, limits.RANGE_MAX] = 10.0
+    """Largest distance [m] that is reported."""
+    scan_time: Annotated[float, limits.PERIOD] = 1 / 30
+    """Time [s] between two scans."""
+    floor_band: Annotated[float, Field(gt=0, le=0.5)] = 0.03
+    """Height [m] above and below the plane that counts as floor."""
 
     @model_validator(mode="after")
     def _limits(self) -> Self:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import textwrap
 import tomllib
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import Any, ClassVar, TypeVar
 
@@ -11,12 +12,14 @@ import tomli_w
 from pydantic import BaseModel, ConfigDict, ValidationError
 
 from cliffscan.common.contract.message import explain
+from cliffscan.common.runtime.settings import settings
 from cliffscan.common.runtime.suggest import suggest
 
 SENSING = ("capture", "negative", "positive", "fuse")
 SERVICES = (*SENSING, "kobuki")
 PROFILE = "profile"
 PROFILES = ("default", "paper")
+COMMENT_WIDTH = 110  # characters of a line of a dump
 
 
 class ConfigError(ValueError):
@@ -29,12 +32,15 @@ Profiles = dict[str, dict[str, Any]]
 class ServiceConfig(BaseModel):
     """A service's table: every value typed and bounded, unknown keys refused.
 
+    The docstring below a field says what it means, with its unit in brackets, as `[m/s]`; its range is its type's.
     PROFILES: what other defaults a value has where `profile` names one of them.
     """
 
     PROFILES: ClassVar[Profiles] = {}
 
-    model_config = ConfigDict(strict=True, frozen=True, extra="forbid", allow_inf_nan=False)
+    model_config = ConfigDict(
+        strict=True, frozen=True, extra="forbid", allow_inf_nan=False, use_attribute_docstrings=True
+    )
 
     def check(self) -> None:
         """Raise ConfigError, one line with the remedy, where a service cannot start with these values as they are.
@@ -79,13 +85,42 @@ def _given(
 
 
 def dump(service: str, config: ServiceConfig) -> str:
-    """The effective configuration as TOML, below a comment on what it lacks; load() reads it back to the same."""
-    return _lack(config) + tomli_w.dumps({service: config.model_dump(mode="json")})
+    """The effective configuration as TOML that load() reads back to the same.
+
+    A comment above each value says what it means, one at the top what the table lacks.
+    """
+    return _lack(config) + "\n".join(_lines([service], config)) + "\n"
 
 
 def meant_for(service: str, override: str) -> bool:
     """Whether a service takes this KEY=VALUE: one of its own values, or the profile."""
     return override.startswith(f"{service}.") or override.partition("=")[0].strip() == PROFILE
+
+
+def _lines(path: Sequence[str], config: ServiceConfig) -> Iterator[str]:
+    """The lines of the table at `path`, then those of the tables below it."""
+    yield from _header(path)
+    values = config.model_dump(mode="json")
+    below: list[str] = []
+    for setting in settings(type(config)):
+        comment = textwrap.wrap(setting.comment(), COMMENT_WIDTH, initial_indent="# ", subsequent_indent="# ")
+        tables = getattr(config, setting.name)
+        if isinstance(tables, dict):
+            below += ["", *comment, *_header([*path, setting.name])]
+            for name, table in tables.items():
+                below += ["", *_lines([*path, setting.name, name], table)]
+        else:
+            yield from comment
+            yield tomli_w.dumps({setting.name: values[setting.name]}).rstrip("\n")
+    yield from below
+
+
+def _header(path: Sequence[str]) -> list[str]:
+    """A table's header, its names quoted where TOML wants it."""
+    table: dict[str, Any] = {}
+    for name in reversed(path):
+        table = {name: table}
+    return tomli_w.dumps(table).splitlines()
 
 
 def _lack(config: ServiceConfig) -> str:

@@ -38,6 +38,11 @@ def add_config(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help="override one value")
 
 
+def add_dump_config(parser: argparse.ArgumentParser) -> None:
+    """Add --dump-config."""
+    parser.add_argument("--dump-config", action="store_true", help="print the effective configuration and exit")
+
+
 def network(options: argparse.Namespace) -> Network:
     """The network that the options describe."""
     return Network(options.mode, options.connect, options.listen, options.zenoh_config)

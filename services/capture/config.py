@@ -20,38 +20,49 @@ class CaptureConfig(ServiceConfig):
 
     PROFILES: ClassVar[Profiles] = {"paper": {"floor": "fixed"}}
 
-    source: Literal[Source, ""] = ""  # must be set: a robot must never drive by pictures nobody chose
-    compressed: bool = True  # without loss; False sends raw 16UC1
+    source: Literal[Source, ""] = ""
+    """Where depth frames come from. It must be set: a robot must never drive by pictures that nobody chose."""
+    compressed: bool = True
+    """Whether frames travel compressed, without loss; false sends raw 16UC1."""
     frame: Annotated[str, Field(max_length=256)] = "camera_depth_optical_frame"
-    rate: Annotated[float, Field(gt=0, le=1000)] = 30.0  # [Hz] of the simulator and of a replay
+    """Name of the camera's optical frame."""
+    rate: Annotated[float, Field(gt=0, le=1000)] = 30.0
+    """Frame rate [Hz] of the simulator and of a replay."""
 
-    # where the floor is in a frame: where the mount has it, or measured in the frame, near the mount
     floor: Literal["fixed", "tracked"] = "tracked"
+    """Where the floor is: fixed where the mount has it, or tracked, which is measured in each frame near the mount."""
 
-    # the nominal mount, for the simulator and the Kinect; a depth folder brings its own
-    height: Annotated[float, Field(gt=0, le=20)] = 0.30  # [m] of the camera above the floor
-    pitch: Annotated[float, Field(gt=-87, lt=87)] = 0.0  # [deg] the camera looks down
-    roll: Annotated[float, Field(ge=-180, le=180)] = 0.0  # [deg] the camera leans to its right
+    # the nominal mount, for the simulator and the Kinect
+    height: Annotated[float, Field(gt=0, le=20)] = 0.30
+    """Height [m] of the camera above the floor; a depth folder brings its own."""
+    pitch: Annotated[float, Field(gt=-87, lt=87)] = 0.0
+    """Angle [deg] by which the camera looks down; a depth folder brings its own."""
+    roll: Annotated[float, Field(ge=-180, le=180)] = 0.0
+    """Angle [deg] by which the camera leans to its right; a depth folder brings its own."""
 
     # replay
-    path: str = ""  # a depth folder
-    loop: bool = True  # play it again and again
+    path: str = ""
+    """The depth folder that is replayed."""
+    loop: bool = True
+    """Whether a replay begins again at its end."""
 
     # simulator
     world: str = "paper_room"
-    simulation: str = ""  # address of a running `python -m simulator`, path or HOST:PORT; empty: nothing moves
-    seed: Annotated[int, Field(ge=0)] = 0  # of the sensor's noise
+    """The world that the simulator shows: a file of simulator/worlds, or random:SEED."""
+    simulation: str = ""
+    """Address of a running `python -m simulator`, a path or HOST:PORT; with none, nothing moves."""
+    seed: Annotated[int, Field(ge=0)] = 0
+    """Seed of the simulated sensor's noise."""
 
     # kinect
-    device: Annotated[int, Field(ge=0)] = 0  # which of several
-    depth_mode: Literal["mm", "11bit"] = "mm"  # calibrated in the device, or its raw disparities
-    intrinsics: Annotated[tuple[float, float, float, float], ListAsTuple] = (
-        575.8,
-        575.8,
-        314.5,
-        235.5,
-    )  # fx, fy, cx, cy [px]
-    range: Annotated[tuple[float, float], ListAsTuple] = (0.5, 4.5)  # [m] along the optical axis that is trusted
+    device: Annotated[int, Field(ge=0)] = 0
+    """Which of several Kinects, counted from 0."""
+    depth_mode: Literal["mm", "11bit"] = "mm"
+    """What the Kinect sends: millimetres by its factory calibration, or its raw 11-bit disparities."""
+    intrinsics: Annotated[tuple[float, float, float, float], ListAsTuple] = (575.8, 575.8, 314.5, 235.5)
+    """The Kinect's fx, fy, cx, cy [px]."""
+    range: Annotated[tuple[float, float], ListAsTuple] = (0.5, 4.5)
+    """Least and largest depth [m] along the optical axis that is trusted."""
 
     @model_validator(mode="after")
     def _possible(self) -> Self:

@@ -14,11 +14,16 @@ from cliffscan.common.runtime.config import ServiceConfig
 class ExtraInput(ServiceConfig):
     """A further scan, on its own grid and from its own place. Without a fresh one nothing is published."""
 
-    key: Annotated[str, Field(pattern=r"^[A-Za-z0-9_.-]+(/[A-Za-z0-9_.-]+)*$")]  # below the robot's name: scan/lidar
-    x: float = 0.0  # [m] where it is mounted, ahead of
-    y: float = 0.0  # [m] and left of the point below the camera
-    yaw: float = 0.0  # [deg] where it looks, counter-clockwise from the camera's heading
-    max_age: Annotated[float, Field(gt=0)] = 0.2  # [s] that its stamp may differ from the frame's
+    key: Annotated[str, Field(pattern=r"^[A-Za-z0-9_.-]+(/[A-Za-z0-9_.-]+)*$")]
+    """The scan's key below the robot's name, as scan/lidar."""
+    x: float = 0.0
+    """Where the sensor is mounted [m], ahead of the floor's point below the camera."""
+    y: float = 0.0
+    """Where the sensor is mounted [m], to the left of the floor's point below the camera."""
+    yaw: float = 0.0
+    """Where the sensor looks [deg], counter-clockwise from the camera's heading."""
+    max_age: Annotated[float, Field(gt=0)] = 0.2
+    """Time [s] by which the scan's stamp may differ from the frame's."""
 
     @field_validator("key")
     @classmethod
@@ -31,8 +36,10 @@ class ExtraInput(ServiceConfig):
 class FuseConfig(ServiceConfig):
     """How long scans wait for their partner, and the extra inputs by name."""
 
-    timeout: Annotated[float, Field(gt=0)] = 0.5  # [s] after which a scan without its partner is dropped
+    timeout: Annotated[float, Field(gt=0)] = 0.5
+    """Time [s] after which a scan without its partner is dropped."""
     inputs: Annotated[dict[str, ExtraInput], Field(default_factory=dict)]
+    """Further scans by a name of their own, one table [fuse.inputs.NAME] each."""
 
     @field_validator("inputs")
     @classmethod

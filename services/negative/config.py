@@ -24,16 +24,25 @@ class NegativeConfig(ScanConfig):
     PROFILES: ClassVar[Profiles] = {"paper": {"methods": ["farthest_point", "virtual_floor"], "floor_band": 0.03}}
 
     methods: Annotated[tuple[Method, ...], ListAsTuple, Field(min_length=1)] = ("near_edge",)
+    """The methods whose scans are combined into scan/negative."""
 
     # near_edge
-    floor_lost: FloorLost = "counts"  # floor without data: counts as a drop, counts beside_drop seen, or is ignored
-    steepest: Annotated[float, Field(ge=0, le=20)] = 5.0  # [deg] a ramp up to here is floor
-    least_drop: Annotated[float, Field(ge=0.01, le=0.2)] = 0.025  # [m] a lower step down is floor
-    least_gap: Annotated[float, Field(ge=0.02, le=1)] = 0.12  # [m] floor without data over less is chance
-    sight: Annotated[float, Field(gt=0, le=20)] = 4.0  # [m] the sensor sees floor up to here, if its range allows
-    grazing: Annotated[float, Field(ge=0.01, le=0.5)] = 0.07  # sine of the angle below which floor may return nothing
-    noise: Annotated[float, Field(ge=1e-4, le=0.1)] = 1.64e-3  # [1/m] σ of the inverse depth, steps included
-    baseline: Annotated[float, Field(ge=0, le=1)] = 0.075  # [m] between camera and projector: how wide shadows are
+    floor_lost: FloorLost = "counts"
+    """What floor without data is: it counts as a drop, counts only beside_drop that is seen, or is ignored."""
+    steepest: Annotated[float, Field(ge=0, le=20)] = 5.0
+    """Slope [deg] up to which a ramp is floor."""
+    least_drop: Annotated[float, Field(ge=0.01, le=0.2)] = 0.025
+    """Height [m] of the lowest step down that is a drop; a lower one is floor."""
+    least_gap: Annotated[float, Field(ge=0.02, le=1)] = 0.12
+    """Length [m] of floor without data from which on it is lost; less is chance."""
+    sight: Annotated[float, Field(gt=0, le=20)] = 4.0
+    """Distance [m] up to which the sensor sees floor, if its range allows."""
+    grazing: Annotated[float, Field(ge=0.01, le=0.5)] = 0.07
+    """Sine [1] of the angle below which floor may return nothing."""
+    noise: Annotated[float, Field(ge=1e-4, le=0.1)] = 1.64e-3
+    """Standard deviation [1/m] of the inverse depth, the sensor's steps included."""
+    baseline: Annotated[float, Field(ge=0, le=1)] = 0.075
+    """Distance [m] between camera and projector, which makes shadows as wide."""
 
     @model_validator(mode="after")
     def _each_once(self) -> Self:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from cliffscan.common.contract import topics
-from cliffscan.common.perception.scans import BLANK
+from cliffscan.common.perception.scans import WARMUP_IMAGE
 from cliffscan.common.runtime.service import Service, main
 from cliffscan.services.positive.config import PositiveConfig
 from cliffscan.services.positive.scan import positive_scan
@@ -11,11 +11,11 @@ from cliffscan.services.positive.scan import positive_scan
 
 def serve(service: Service[PositiveConfig]) -> None:
     """Answer each depth image with the scan of what stands on the floor."""
-    positive_scan(BLANK, service.config)
+    positive_scan(WARMUP_IMAGE, service.config)
     publisher = service.publisher(topics.SCAN_POSITIVE)
     for image in service.newest(topics.DEPTH):
         publisher.put(positive_scan(image, service.config))
-        service.tally.output(image.stamp)
+        service.metrics.output(image.stamp)
 
 
 if __name__ == "__main__":

@@ -15,8 +15,10 @@ class PositiveConfig(ScanConfig):
 
     PROFILES: ClassVar[Profiles] = {"paper": {"steepest": 0.0}}
 
-    steepest: Annotated[float, Field(ge=0, le=20)] = 5.0  # [deg] a ramp up to here is floor, as for negative; 0: flat
-    robot_height: Annotated[float, Field(gt=0)] = 0.42  # [m] a TurtleBot 2; what is higher is passed under
+    steepest: Annotated[float, Field(ge=0, le=20)] = 5.0
+    """Slope [deg] up to which a ramp is floor, as for negative; 0: the floor is flat."""
+    robot_height: Annotated[float, Field(gt=0)] = 0.42
+    """Height [m] of the robot, a TurtleBot 2's by default; it passes under what is higher."""
 
     @model_validator(mode="after")
     def _above_floor(self) -> Self:

@@ -3,6 +3,7 @@
 import argparse
 import socket
 import sys
+import tomllib
 from itertools import pairwise
 from pathlib import Path
 
@@ -222,3 +223,18 @@ def test_help_fits_80_columns(command, capsys, monkeypatch):
     assert max(map(len, told.splitlines())) <= 80
     if command == "up":
         assert all(world in told for world in world_names())
+
+
+@pytest.mark.parametrize("words", [["--world", "office"], ["--base", "none", "--set", "capture.source=kinect"]])
+def test_a_dump_of_all_services_is_taken_again(words, tmp_path):
+    def plan(*more):
+        return plan_of(build_parser().parse_args(["up", *words, *more]))
+
+    file = tmp_path / "robot.toml"
+    file.write_text(plan("--set", "negative.beams=90", "--set", "fuse.inputs.lidar.key=scan/lidar").dump())
+    tables = tomllib.loads(file.read_text())
+    assert list(tables) == list(SERVICES)
+    assert tables["negative"]["beams"] == 90
+    again = plan("--config", str(file))
+    again.check()
+    assert again.dump() == file.read_text()

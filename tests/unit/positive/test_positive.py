@@ -102,12 +102,12 @@ def test_no_point_in_the_way_is_farther_than_its_beam_says(height, pitch, roll, 
 def play(config, images, monkeypatch):
     arriving = [("camera/depth", each if isinstance(each, bytes) else each.encode()) for each in images]
     service = build.play(serve, "positive", config, arriving, monkeypatch)
-    return service.bus.said["scan/positive"], service.tally.counts()
+    return service.bus.said["scan/positive"], service.metrics.counts()
 
 
 def test_every_answer_is_counted_as_an_output(monkeypatch):
     arriving = [("camera/depth", image(stamp).encode()) for stamp in (1, 2, 3)]
-    assert build.play(serve, "positive", CONFIG, arriving, monkeypatch).tally.take_outputs() == 3
+    assert build.play(serve, "positive", CONFIG, arriving, monkeypatch).metrics.take_outputs() == 3
 
 
 def test_every_frame_is_answered_with_a_scan_of_its_stamp(monkeypatch):
