@@ -21,6 +21,7 @@ from cliffscan.common.runtime.service import StopSignal
 from cliffscan.common.runtime.suggest import suggest
 from cliffscan.hang_up import hang_up_stops
 from cliffscan.plain import plain
+from cliffscan.run import command_line
 from cliffscan.services.capture.config import CaptureConfig
 from cliffscan.supervisor import Supervisor
 
@@ -69,7 +70,7 @@ class Plan:
         words = ["--robot", self.robot, "--mode", "client", "--connect", self.endpoint]
         words += ["--config", str(self.config)] if self.config else []
         words += [word for override in self.own(name) for word in ("--set", override)]
-        return [sys.executable, "-m", f"cliffscan.services.{name}", *words]
+        return command_line(name, words)
 
     def capture(self) -> list[str]:
         """Capture's command line."""
