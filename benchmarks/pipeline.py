@@ -20,7 +20,7 @@ from rich.table import Table
 
 from cliffscan.common.contract import topics
 from cliffscan.common.contract.messages import LaserScan
-from cliffscan.common.runtime.latest_queue import Inbox
+from cliffscan.common.runtime.latest_queue import LatestQueue
 from cliffscan.common.runtime.service import PATIENCE, StopSignal
 from cliffscan.system import Plan, System
 
@@ -47,10 +47,10 @@ class Run(NamedTuple):
 
 def measure(plan: Plan, frames: int) -> Run:
     """Let `frames` frames through the whole system."""
-    inbox: Inbox[tuple[int, bytes]] = Inbox(room=1024)
+    queue: LatestQueue[tuple[int, bytes]] = LatestQueue(room=1024)
     stop = StopSignal()
     with System(plan, stop) as system:
-        system.bus.subscribe(topics.SCAN_FUSED.path, lambda _, payload: inbox.put((time.time_ns(), payload)))
+        system.bus.subscribe(topics.SCAN_FUSED.path, lambda _, payload: queue.put((time.time_ns(), payload)))
         processes: dict[str, psutil.Process] = {}
         looks: dict[str, list[float]] = {}
         latencies: list[float] = []
@@ -59,7 +59,7 @@ def measure(plan: Plan, frames: int) -> Run:
         started = 0.0
         cpu_before: dict[str, float] = {}
         while len(latencies) < frames and not stop.is_set():
-            arrived = inbox.get(PATIENCE)
+            arrived = queue.get(PATIENCE)
             system.poll()
             if not arrived:
                 continue

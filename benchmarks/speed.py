@@ -30,8 +30,9 @@ from cliffscan.common.perception.scans import points
 from cliffscan.services.capture.floor.tracker import FloorTracker
 from cliffscan.services.negative.config import NegativeConfig
 from cliffscan.services.negative.methods import RUN, beams_by_method
-from cliffscan.services.positive.__main__ import obstacles
+from cliffscan.services.perception.perceive import Settings, perceive
 from cliffscan.services.positive.config import PositiveConfig
+from cliffscan.services.positive.scan import positive_scan
 from cliffscan.simulator.camera import SimulatedKinect
 from cliffscan.simulator.kinect import KinectModel, kinect_camera
 
@@ -41,9 +42,10 @@ OURS = NegativeConfig(methods=("near_edge",))
 ALL = NegativeConfig(methods=("farthest_point", "virtual_floor", "near_edge"))
 POSITIVE = PositiveConfig()
 COLD = """
-from cliffscan.services.negative.__main__ import beams_by_method, BLANK
+from cliffscan.common.perception.scans import WARMUP_IMAGE
 from cliffscan.services.negative.config import NegativeConfig
-beams_by_method(BLANK, NegativeConfig(), NegativeConfig().methods)
+from cliffscan.services.negative.scans import negative_scans
+negative_scans(WARMUP_IMAGE, NegativeConfig())
 """
 
 
@@ -80,7 +82,7 @@ def moving(image: DepthImage) -> Callable[[], object]:
     def work() -> None:
         camera = replace(image.camera, floor=next(planes))
         moved = DepthImage.pack(0, 0, "camera", image.depth, camera, RAW)
-        combine([*beams_by_method(moved, OURS, OURS.methods).values(), obstacles(moved, POSITIVE)])
+        perceive(moved, Settings(OURS, POSITIVE))
 
     return work
 
@@ -92,19 +94,17 @@ def jobs(image: DepthImage) -> dict[str, Callable[[], object]]:
     beams = list(beams_by_method(image, ALL, ALL.methods).values())
 
     def fused(config: NegativeConfig) -> Callable[[], object]:
-        return lambda: combine(
-            [combine(list(beams_by_method(image, config, config.methods).values())), obstacles(image, POSITIVE)]
-        )
+        return lambda: perceive(image, Settings(config, POSITIVE))
 
     return {
         "heights and distances": lambda: points(image, ALL, ALL.floor_band),
         **{method: (lambda method=method: RUN[method](seen, ALL)) for method in ALL.methods},
-        "positive, all of it": lambda: obstacles(image, POSITIVE),
+        "positive, all of it": lambda: positive_scan(image, POSITIVE),
         "combine three": lambda: combine(beams),
-        "default: near_edge + positive + combine": fused(OURS),
+        "default: near_edge + positive + fuse": fused(OURS),
         "default, another floor plane in each frame": moving(image),
-        "paper: both methods + positive + combine": fused(PAPER),
-        "everything: three methods + positive + combine": fused(ALL),
+        "paper: both methods + positive + fuse": fused(PAPER),
+        "everything: three methods + positive + fuse": fused(ALL),
         "paper in plain NumPy": lambda: plain_numpy(image, ALL.grid(), ALL.floor_band, POSITIVE.robot_height),
         "floor tracker": lambda: tracker.update(image.depth, image.camera),
     }

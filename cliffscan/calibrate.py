@@ -16,7 +16,7 @@ from cliffscan.common.contract.message import Message, MessageError
 from cliffscan.common.contract.messages import DepthImage, ServiceStatus
 from cliffscan.common.contract.topics import DEPTH, status
 from cliffscan.common.runtime.bus import Bus
-from cliffscan.common.runtime.latest_queue import Inbox
+from cliffscan.common.runtime.latest_queue import LatestQueue
 from cliffscan.common.runtime.service import PATIENCE, StopSignal
 from cliffscan.plain import plain
 from cliffscan.services.capture.floor.tracker import FloorTracker
@@ -73,14 +73,14 @@ def calibrate(bus: Bus, seconds: float, nominal: FloorPlane | None, stop: StopSi
 
 def frames(bus: Bus, seconds: float, stop: StopSignal) -> Iterator[DepthImage]:
     """The frames that capture sends within `seconds` [s] from the first. Raises NotMeasured where none comes."""
-    inbox: Inbox[bytes] = Inbox()
-    words: Inbox[bytes] = Inbox()
-    bus.subscribe(DEPTH.path, lambda _key, payload: inbox.put(payload))
+    queue: LatestQueue[bytes] = LatestQueue()
+    words: LatestQueue[bytes] = LatestQueue()
+    bus.subscribe(DEPTH.path, lambda _key, payload: queue.put(payload))
     bus.subscribe(status("capture").path, lambda _key, payload: words.put(payload))
     heard = False
     deadline = time.monotonic() + FIRST
     while time.monotonic() < deadline and not stop.is_set():
-        payload = inbox.get(PATIENCE)
+        payload = queue.get(PATIENCE)
         frame = _decoded(DepthImage, payload)
         if frame and not heard:
             heard, deadline = True, time.monotonic() + seconds

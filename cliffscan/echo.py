@@ -8,7 +8,7 @@ import time
 from cliffscan.common.contract.message import MessageError
 from cliffscan.common.contract.topics import message_at
 from cliffscan.common.runtime.bus import Bus
-from cliffscan.common.runtime.latest_queue import Inbox
+from cliffscan.common.runtime.latest_queue import LatestQueue
 from cliffscan.common.runtime.service import PATIENCE, StopSignal
 from cliffscan.common.runtime.suggest import suggest
 from cliffscan.live import live_keys
@@ -25,12 +25,12 @@ def echo(bus: Bus, path: str, count: int, timeout: float, full: bool, stop: Stop
 
     Where none comes, standard error tells what else is live: at the end, or after QUIET where there is no end.
     """
-    inbox: Inbox[tuple[str, bytes]] = Inbox(ROOM)
-    bus.subscribe(path, lambda key, payload: inbox.put((key, payload)))
+    queue: LatestQueue[tuple[str, bytes]] = LatestQueue(ROOM)
+    bus.subscribe(path, lambda key, payload: queue.put((key, payload)))
     printed, told = 0, False
     begun = time.monotonic()
     while not stop.is_set() and not (count and printed == count):
-        arrived = inbox.get(PATIENCE)
+        arrived = queue.get(PATIENCE)
         passed = time.monotonic() - begun
         if arrived:
             print(_told(*arrived, full), flush=True)

@@ -13,7 +13,7 @@ from rich.progress import Progress
 from cliffscan.common.contract.messages import DepthImage, LaserScan
 from cliffscan.common.contract.topics import DEPTH
 from cliffscan.common.runtime.config import SENSING
-from cliffscan.common.runtime.latest_queue import Inbox
+from cliffscan.common.runtime.latest_queue import LatestQueue
 from cliffscan.common.runtime.service import StopSignal
 from cliffscan.supervisor import Supervisor
 from cliffscan.system import Plan, System
@@ -48,19 +48,19 @@ def collect(
     Raises Failed where a service dies, Silent where what is wanted does not come, ConfigRefused.
     """
     task = progress.add_task(title, total=goal.total)
-    inbox: Inbox[tuple[str, bytes]] = Inbox(ROOM)
+    queue: LatestQueue[tuple[str, bytes]] = LatestQueue(ROOM)
     plan = Plan(f"demo-{os.getpid()}", [f"tcp/127.0.0.1:{free_port()}"], overrides=overrides)
     gathering = Gathering(paths)
     with System(plan, stop) as system:
         stop.patient = True
         for path in (DEPTH.path, *paths):
-            system.bus.subscribe(path, lambda key, payload: inbox.put((key, payload)))
+            system.bus.subscribe(path, lambda key, payload: queue.put((key, payload)))
         watch = Watch(system)
         while goal.done < goal.total and not stop.is_set():
             watch.look(goal)
             tell(progress, log)
             progress.update(task, completed=goal.done, description=f"{title}: {watch.state}")
-            arrived = inbox.get(TURN)
+            arrived = queue.get(TURN)
             frame = gathering.take(*_decoded(*arrived)) if arrived else None
             if frame:
                 goal.take(frame)

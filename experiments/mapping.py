@@ -14,7 +14,7 @@ from rich.progress import Progress
 from cliffscan.common.contract.camera import Floats
 from cliffscan.common.contract.map_messages import OccupancyGrid
 from cliffscan.common.contract.topics import VELOCITY
-from cliffscan.common.runtime.latest_queue import Inbox
+from cliffscan.common.runtime.latest_queue import LatestQueue
 from cliffscan.services.capture.config import CaptureConfig
 from cliffscan.simulator.world import World
 from experiments.collect import TURN, Failed, Watch, tell
@@ -112,14 +112,14 @@ def drive_round(run: Run, setting: Setting, steps: Sequence[Step], log: ServiceL
 
 def lead(system: MapSystem, survey: Survey) -> Iterator[str]:
     """Let the survey hear all that is said until it is done; what is waited for, again and again. Raises Failed."""
-    inbox: Inbox[tuple[str, bytes]] = Inbox(ROOM)
+    queue: LatestQueue[tuple[str, bytes]] = LatestQueue(ROOM)
     for path in survey.paths:
-        system.bus.subscribe(path, lambda key, payload: inbox.put((key, payload)))
+        system.bus.subscribe(path, lambda key, payload: queue.put((key, payload)))
     watch = Watch(system, wanted=system.wanted, work="driving")
     while survey.done < survey.total:
         watch.look(survey)
         yield watch.state
-        arrived = inbox.get(TURN)
+        arrived = queue.get(TURN)
         if arrived:
             survey.hear(*arrived, go=watch.started and system.feed is not None)
 

@@ -1,4 +1,4 @@
-"""The services: one folder, one process, one idea each; they never import one another."""
+"""The services: one folder, one process, one idea each; only perception imports others, for it is three of them."""
 
 import os
 import signal

@@ -17,7 +17,7 @@ from PIL import Image
 
 from cliffscan.common.contract.camera import Camera, FloorPlane, Intrinsics
 from cliffscan.common.contract.messages import LaserScan
-from cliffscan.common.runtime.latest_queue import Inbox
+from cliffscan.common.runtime.latest_queue import LatestQueue
 from cliffscan.common.runtime.service import Service
 
 settings.register_profile("repeatable", derandomize=True, deadline=None, max_examples=60)
@@ -160,7 +160,7 @@ class Bus:
         self.on_announce = lambda: None
 
     def publisher(self, topic):
-        return SimpleNamespace(put=self.said[topic.path].append, heard=True)
+        return SimpleNamespace(put=self.said[topic.path].append, has_subscribers=True)
 
     def subscribe(self, path, receive, *_limits) -> None:
         self.receivers[path] = receive
@@ -187,11 +187,11 @@ def service(name: str, config) -> Service:
     return made
 
 
-def play(serve, name: str, config, samples, monkeypatch, inbox_of="cliffscan.common.runtime.service") -> Service:
+def play(serve, name: str, config, samples, monkeypatch, queue_of="cliffscan.common.runtime.service") -> Service:
     """Run a service until it has worked off samples [(path, bytes)], which all arrive as soon as it is ready."""
     made = service(name, config)
 
-    class Patient(Inbox):
+    class Patient(LatestQueue):
         """Holds all that comes; the service ends when there is no more."""
 
         def __init__(self, _room=1) -> None:
@@ -207,7 +207,7 @@ def play(serve, name: str, config, samples, monkeypatch, inbox_of="cliffscan.com
         for path, data in samples:
             made.bus.arrive(path, data)
 
-    monkeypatch.setattr(f"{inbox_of}.Inbox", Patient)
+    monkeypatch.setattr(f"{queue_of}.LatestQueue", Patient)
     made.bus.on_announce = all_arrive
     serve(made)
     return made

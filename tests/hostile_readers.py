@@ -7,8 +7,6 @@ import math
 from cliffscan.common.contract.base_messages import Velocity
 from cliffscan.common.contract.message import Message, MessageError
 from cliffscan.common.contract.messages import DepthImage, LaserScan
-from cliffscan.common.perception.combine import combine
-from cliffscan.common.perception.scans import laser_scan
 from cliffscan.safety.gate import Safety, Scan, Twist
 from cliffscan.safety.local_grid import Pose
 from cliffscan.services.fuse.config import ExtraInput
@@ -17,15 +15,13 @@ from cliffscan.services.fuse.pairing import Pair
 from cliffscan.services.kobuki.config import KobukiConfig
 from cliffscan.services.kobuki.protocol import commands
 from cliffscan.services.kobuki.protocol.packets import decode
-from cliffscan.services.negative.config import NegativeConfig
-from cliffscan.services.negative.methods import RUN, beams_by_method
-from cliffscan.services.positive.__main__ import obstacles
-from cliffscan.services.positive.config import PositiveConfig
+from cliffscan.services.negative.methods import RUN
+from cliffscan.services.perception.perceive import Settings, perceive
 from tests import build
 from tests.hostile import Case
 from tests.kobuki_stream import core
 
-NEGATIVE, POSITIVE = NegativeConfig(), PositiveConfig()
+SETTINGS = Settings(methods=tuple(RUN))
 HERE = Pose(0.0, 0.0, 0.0)
 TICK = 0.02  # [s]
 HONEST = build.scan([2.0] * 100)
@@ -78,11 +74,9 @@ def _check_refusal(why: str) -> None:
 
 
 def _look_at(image: DepthImage) -> None:
-    """The scans that negative and positive make of an image are scans that fuse takes."""
-    found = beams_by_method(image, NEGATIVE, RUN)
-    negative = laser_scan(image, combine([found[method] for method in NEGATIVE.methods]), NEGATIVE)
-    positive = laser_scan(image, obstacles(image, POSITIVE), POSITIVE)
-    for scan in (negative, positive, fuse(Pair(positive, negative), {})):
+    """The scans that are made of an image are scans that anybody takes."""
+    positive, by_method, negative, fused = perceive(image, SETTINGS)
+    for scan in (positive, *by_method.values(), negative, fused):
         LaserScan.decode(scan.encode())
 
 

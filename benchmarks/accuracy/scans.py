@@ -10,7 +10,7 @@ from cliffscan.common.contract.depth_codec import RAW
 from cliffscan.common.contract.messages import DepthImage
 from cliffscan.common.perception.combine import Beams, combine
 from cliffscan.services.negative.config import Method, NegativeConfig
-from cliffscan.services.negative.methods import beams_by_method
+from cliffscan.services.negative.scans import negative_scans
 
 METHODS: tuple[Method, ...] = get_args(Method)
 PAPER: tuple[Method, ...] = ("farthest_point", "virtual_floor")
@@ -34,5 +34,6 @@ def beams_of(frame: Frame, names: Sequence[str]) -> dict[str, Beams]:
     scans = {name: known_scans()[name] for name in names}
     used = tuple(method for method in METHODS if any(method in methods for methods in scans.values()))
     image = DepthImage.pack(0, 0, "", frame.depth, frame.camera, RAW)
-    found: dict[Method, Beams] = beams_by_method(image, CONFIG, used)
+    scans_found = negative_scans(image, CONFIG, used).by_method
+    found = {method: Beams(scan.ranges, scan.intensities, scan.clear) for method, scan in scans_found.items()}
     return {name: combine([found[method] for method in methods]) for name, methods in scans.items()}

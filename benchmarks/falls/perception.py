@@ -9,23 +9,16 @@ from typing import Literal
 from cliffscan.common.contract.camera import Camera
 from cliffscan.common.contract.depth_codec import RAW
 from cliffscan.common.contract.messages import DepthImage, LaserScan
-from cliffscan.common.perception.combine import combine
-from cliffscan.common.perception.scans import laser_scan
 from cliffscan.services.capture.floor.tracker import FloorTracker
-from cliffscan.services.fuse.fusion import fuse
-from cliffscan.services.fuse.pairing import Pair
-from cliffscan.services.negative.config import NegativeConfig
-from cliffscan.services.negative.methods import beams_by_method
-from cliffscan.services.positive.__main__ import obstacles
-from cliffscan.services.positive.config import PositiveConfig
+from cliffscan.services.perception.perceive import Settings, perceive
+from cliffscan.services.positive.scan import positive_scan
 from cliffscan.simulator.kinect import Millimetres
 
 Mode = Literal["default", "paper", "positive"]
 Perception = Callable[[Millimetres, int], LaserScan]  # of a frame (rows, columns) [mm] and its stamp [ns]
 
 FRAME = "camera_depth_optical_frame"
-PAPER = NegativeConfig(**NegativeConfig.PROFILES["paper"]), PositiveConfig(**PositiveConfig.PROFILES["paper"])
-DEFAULT = NegativeConfig(), PositiveConfig()
+PAPER, DEFAULT = Settings.of_profile("paper"), Settings()
 
 
 def perception(mode: Mode, camera: Camera) -> Perception:
@@ -35,26 +28,16 @@ def perception(mode: Mode, camera: Camera) -> Perception:
     of the mount. positive: the tracked floor and what stands on it, no edges.
     """
     if mode == "paper":
-        return lambda depth, stamp: _fused(_image(depth, stamp, camera), *PAPER)
+        return lambda depth, stamp: perceive(_image(depth, stamp, camera), PAPER).fused
     tracker = FloorTracker(camera.floor)
 
     def tracked(depth: Millimetres, stamp: int) -> DepthImage:
         return _image(depth, stamp, replace(camera, floor=tracker.update(depth, camera)))
 
     if mode == "positive":
-        return lambda depth, stamp: _positive(tracked(depth, stamp), DEFAULT[1])
-    return lambda depth, stamp: _fused(tracked(depth, stamp), *DEFAULT)
+        return lambda depth, stamp: positive_scan(tracked(depth, stamp), DEFAULT.positive)
+    return lambda depth, stamp: perceive(tracked(depth, stamp), DEFAULT).fused
 
 
 def _image(depth: Millimetres, stamp: int, camera: Camera) -> DepthImage:
     return DepthImage.pack(0, stamp, FRAME, depth, camera, RAW)
-
-
-def _positive(image: DepthImage, config: PositiveConfig) -> LaserScan:
-    return laser_scan(image, obstacles(image, config), config)
-
-
-def _fused(image: DepthImage, negative: NegativeConfig, positive: PositiveConfig) -> LaserScan:
-    found = beams_by_method(image, negative, negative.methods)
-    edges = laser_scan(image, combine([found[method] for method in negative.methods]), negative)
-    return fuse(Pair(_positive(image, positive), edges), {})

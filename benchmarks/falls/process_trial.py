@@ -18,7 +18,7 @@ from benchmarks.falls.watch import Look
 from cliffscan.common.contract.base_messages import BaseState, Odometry, Rule, SafetyState
 from cliffscan.common.contract.messages import LaserScan
 from cliffscan.common.contract.topics import BASE_STATE, ODOMETRY, SAFETY, SCAN_FUSED
-from cliffscan.common.runtime.latest_queue import Inbox
+from cliffscan.common.runtime.latest_queue import LatestQueue
 from cliffscan.common.runtime.service import StopSignal
 from cliffscan.safety.gate import REST, Decision, Twist
 from cliffscan.simulator.world import Pose, World
@@ -41,7 +41,7 @@ class ProcessTrial:
         self._rule: Rule = "no_base"
         self._speed = REST  # by the base's odometry: how much of a command is allowed is not told as often
         self._cliff = False  # since the last look
-        self._scans: Inbox[LaserScan] = Inbox()
+        self._scans: LatestQueue[LaserScan] = LatestQueue()
         wheels = ["--slip-noise", str(ENCODER_NOISE)]
         self._robot = DrivenRobot("falls", case.world, stop, wheels, OVERRIDES[case.mode])
 

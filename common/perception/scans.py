@@ -18,7 +18,7 @@ from cliffscan.common.runtime.config import ServiceConfig
 
 UNSURE_SLOPE = 1.8  # [deg] by which a slope may look steeper than it is
 FRAME = "camera_footprint"  # on the floor below the camera
-BLANK = DepthImage(  # a frame in which nothing was seen: what kernels are compiled on
+WARMUP_IMAGE = DepthImage(  # a frame in which nothing was seen: what kernels are compiled on
     seq=0,
     stamp=0,
     frame="",

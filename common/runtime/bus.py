@@ -18,7 +18,7 @@ from cliffscan.common.contract.limits import SMALL
 from cliffscan.common.contract.message import Message, MessageError, check_size, unpack
 from cliffscan.common.contract.topics import Qos, Topic, alive, most_bytes
 from cliffscan.common.runtime import zenoh_config
-from cliffscan.common.runtime.metrics import Tally
+from cliffscan.common.runtime.metrics import ServiceMetrics
 from cliffscan.common.runtime.pace import Pace
 from cliffscan.common.runtime.reader import Readers
 
@@ -68,14 +68,14 @@ class Network:
 
 
 class Publisher(Generic[M]):
-    """Says messages of one topic."""
+    """Publishes messages of one topic."""
 
     def __init__(self, publisher: zenoh.Publisher) -> None:
         self._publisher = publisher
 
     @property
-    def heard(self) -> bool:
-        """Whether anybody listens: what nobody hears need not be made."""
+    def has_subscribers(self) -> bool:
+        """Whether anybody subscribes: what nobody receives need not be made."""
         status: Any = self._publisher.matching_status  # a MatchingStatus, whatever zenoh's stubs say
         return bool(status.matching)
 
@@ -92,7 +92,7 @@ class Bus:
         self.robot = robot
         self._session = _open(network)
         self._readers = Readers()
-        self._tally = Tally()
+        self._metrics = ServiceMetrics()
         self._token: zenoh.LivelinessToken | None = None
 
     def __enter__(self) -> Self:
@@ -153,14 +153,14 @@ class Bus:
         return ended.set  # its thread waits within the declaration, which therefore goes with the session
 
     def answer(
-        self, path: str, reply: Callable[[dict[str, Any]], dict[str, Any]], but_at: Collection[str] = ()
+        self, path: str, reply: Callable[[dict[str, Any]], dict[str, Any]], except_paths: Collection[str] = ()
     ) -> None:
         """Answer requests at `path` below the robot's name with the map that `reply` makes of their parameters.
 
-        A path with `*` is asked in vain at the paths `but_at`; one without is not asked by a wild card. Requests beyond
+        A path with `*` does not answer at `except_paths`; one without does not answer a wild card. Requests beyond
         RATE wait; where too many do, the oldest gets no answer.
         """
-        key, others = f"{self.robot}/{path}", {f"{self.robot}/{other}" for other in but_at}
+        key, others = f"{self.robot}/{path}", {f"{self.robot}/{other}" for other in except_paths}
 
         def deliver(query: zenoh.Query) -> None:
             asked = str(query.key_expr)
@@ -280,7 +280,7 @@ class Bus:
         self._readers.read(source, take, Pace(RATE, REQUESTS))
 
     def _refused(self, path: str, why: MessageError) -> None:
-        self._tally.complain("malformed", f"{path}: {why}")
+        self._metrics.warn_limited("malformed", f"{path}: {why}")
 
 
 def _bytes(payload: zenoh.ZBytes, most: int) -> bytes:

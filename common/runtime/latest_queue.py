@@ -9,7 +9,7 @@ from typing import Generic, TypeVar
 T = TypeVar("T")
 
 
-class Inbox(Generic[T]):
+class LatestQueue(Generic[T]):
     """Holds the newest `room` items; by default one, so that a slow reader never falls behind."""
 
     def __init__(self, room: int = 1) -> None:

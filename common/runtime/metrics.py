@@ -1,4 +1,4 @@
-"""What a service counts and complains of: every event is counted, its log line comes at a limited rate."""
+"""What a service counts and warns of: every event is counted, its log line comes at a limited rate."""
 
 from __future__ import annotations
 
@@ -9,19 +9,19 @@ from collections import Counter, deque
 
 import numpy as np
 
-QUIET = 1.0  # [s] between two log lines of one kind
-WINDOW = 300  # outputs over which latencies are told
+LOG_INTERVAL = 1.0  # [s] between two log lines of one kind
+WINDOW = 300  # outputs over which latencies are reported
 
 log = logging.getLogger(__name__)
 
 
-class Tally:
-    """Counts, complaints and latencies of one service; safe to use from any thread."""
+class ServiceMetrics:
+    """Counts, warnings and latencies of one service; safe to use from any thread."""
 
     def __init__(self) -> None:
         self._lock = threading.Lock()
         self._counts: Counter[str] = Counter()
-        self._spoke: dict[str, float] = {}
+        self._logged: dict[str, float] = {}
         self._latencies: deque[float] = deque(maxlen=WINDOW)
         self._outputs = 0
 
@@ -30,15 +30,15 @@ class Tally:
         with self._lock:
             self._counts[what] += by
 
-    def complain(self, what: str, why: str) -> None:
+    def warn_limited(self, what: str, why: str) -> None:
         """Count `what` and log why, unless a line of that kind came within the last second."""
         now = time.monotonic()
         with self._lock:
             self._counts[what] += 1
             count = self._counts[what]
-            silent = now - self._spoke.get(what, -QUIET) < QUIET
+            silent = now - self._logged.get(what, -LOG_INTERVAL) < LOG_INTERVAL
             if not silent:
-                self._spoke[what] = now
+                self._logged[what] = now
         if not silent:
             log.warning("%s (%d so far): %s", what, count, why)
 

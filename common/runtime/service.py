@@ -23,8 +23,8 @@ from cliffscan.common.runtime import config as configuration
 from cliffscan.common.runtime import options
 from cliffscan.common.runtime.bus import Bus, BusError, Network, NotConnected, Publisher
 from cliffscan.common.runtime.config import ConfigError, ServiceConfig
-from cliffscan.common.runtime.latest_queue import Inbox
-from cliffscan.common.runtime.metrics import Tally
+from cliffscan.common.runtime.latest_queue import LatestQueue
+from cliffscan.common.runtime.metrics import ServiceMetrics
 from cliffscan.common.runtime.stream_order import StreamOrder
 
 C = TypeVar("C", bound=ServiceConfig)
@@ -61,7 +61,7 @@ class Service(Generic[C]):
         self.name = name
         self.config = config
         self.bus = bus
-        self.tally = Tally()
+        self.metrics = ServiceMetrics()
         self.note = ""
         self.state: State = "starting"
         self._stop = stop
@@ -88,7 +88,7 @@ class Service(Generic[C]):
         order = StreamOrder()
 
         def refused(path: str, why: MessageError) -> None:
-            self.tally.complain("malformed", f"{path}: {why}")
+            self.metrics.warn_limited("malformed", f"{path}: {why}")
 
         def arrived(path: str, payload: bytes) -> None:
             try:
@@ -98,24 +98,24 @@ class Service(Generic[C]):
                 return
             oddity = order.check(message.seq, message.stamp) if isinstance(message, DepthImage | LaserScan) else None
             if oddity:
-                self.tally.complain(oddity.what, f"{path}: {oddity.why}")
-            self.tally.count("received")
+                self.metrics.warn_limited(oddity.what, f"{path}: {oddity.why}")
+            self.metrics.count("received")
             accept(message)
 
         self.bus.subscribe(topic.path, arrived, room, RATE, refused)
 
     def newest(self, topic: Topic[M]) -> Iterator[M]:
         """Every good message of `topic` until the service ends; while one is worked on, only the newest is kept."""
-        inbox: Inbox[M] = Inbox()
+        queue: LatestQueue[M] = LatestQueue()
 
         def accept(message: M) -> None:
-            if not inbox.put(message):
-                self.tally.count("overtaken")
+            if not queue.put(message):
+                self.metrics.count("overtaken")
 
         self.receive(topic, accept, room=2)
         self.ready()
         while self.running:
-            message = inbox.get(PATIENCE)
+            message = queue.get(PATIENCE)
             if message is not None:
                 yield message
 
@@ -137,7 +137,7 @@ class Service(Generic[C]):
         last = time.monotonic()
         while not self._stop.wait(1.0):
             now = time.monotonic()
-            publisher.put(self._status(self.tally.take_outputs() / (now - last), now - self._born))
+            publisher.put(self._status(self.metrics.take_outputs() / (now - last), now - self._born))
             last = now
 
     def _status(self, rate: float, uptime: float) -> ServiceStatus:
@@ -149,8 +149,8 @@ class Service(Generic[C]):
             pid=os.getpid(),
             uptime=uptime,
             rate=rate,
-            latency=self.tally.latency(),
-            counts=self.tally.counts(),
+            latency=self.metrics.latency(),
+            counts=self.metrics.counts(),
             note=self.note[:LONGEST_TEXT],
         )
 
@@ -206,7 +206,7 @@ def run(name: str, config: C, network: Network, robot: str, serve: Callable[[Ser
             stop.patient = True
             stop.set()
             teller.join()
-        log.info("ended: %s", service.tally.counts())
+        log.info("ended: %s", service.metrics.counts())
 
 
 def connect(network: Network, robot: str, stop: threading.Event) -> Bus | None:

@@ -26,7 +26,7 @@ def frames(service: Service[CaptureConfig]) -> Iterator[DepthFrame]:
     The service is ready, and its camera described, when a source has brought its first frame.
     """
     description = Description(service)
-    watch = None if KINDS[service.config.source].recorded else FrozenWatch(service.tally)
+    watch = None if KINDS[service.config.source].recorded else FrozenWatch(service.metrics)
     delay = BACK_OFF[0]
     while service.running:
         try:
@@ -35,7 +35,7 @@ def frames(service: Service[CaptureConfig]) -> Iterator[DepthFrame]:
                     delay = BACK_OFF[0]
                     yield frame
         except SourceLost as error:
-            service.tally.complain("source_lost", f"{error}; trying again in {delay:g} s")
+            service.metrics.warn_limited("source_lost", f"{error}; trying again in {delay:g} s")
             service.waiting(str(error))
             service.pause(delay)
             delay = min(2 * delay, BACK_OFF[1])
@@ -49,7 +49,7 @@ def new_frames(source: Source, service: Service[CaptureConfig], watch: FrozenWat
         try:
             frame = source.read(PATIENCE)
         except BadFrame as error:
-            service.tally.complain("bad_frame", str(error))
+            service.metrics.warn_limited("bad_frame", str(error))
             continue
         if not frame:
             continue
@@ -89,7 +89,7 @@ def located(frames: Iterator[DepthFrame], service: Service[CaptureConfig]) -> It
         floor = tracker.update(frame.depth, frame.camera)
         service.note = tracker.note
         if tracker.note:
-            service.tally.count("floor_kept")
+            service.metrics.count("floor_kept")
         yield frame._replace(camera=replace(frame.camera, floor=floor))
 
 
@@ -99,7 +99,7 @@ def serve(service: Service[CaptureConfig]) -> None:
     encoding = LEVELS if service.config.compressed else RAW
     for seq, (depth, stamp, camera) in enumerate(frames(service)):
         publisher.put(DepthImage.pack(seq, stamp, service.config.frame, depth, camera, encoding))
-        service.tally.output(stamp)
+        service.metrics.output(stamp)
 
 
 if __name__ == "__main__":

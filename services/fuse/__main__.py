@@ -7,7 +7,7 @@ import time
 from cliffscan.common.contract import topics
 from cliffscan.common.contract.messages import LaserScan
 from cliffscan.common.contract.topics import Topic
-from cliffscan.common.runtime.latest_queue import Inbox
+from cliffscan.common.runtime.latest_queue import LatestQueue
 from cliffscan.common.runtime.service import PATIENCE, Service, main
 from cliffscan.services.fuse.config import ExtraInput, FuseConfig
 from cliffscan.services.fuse.fusion import GridMismatch, fuse
@@ -39,21 +39,21 @@ class Fuser:
     def drop_late(self) -> None:
         """Give up scans whose partner does not come."""
         for why in self._pairing.drop_late(time.monotonic()):
-            self._service.tally.complain("incomplete", why)
+            self._service.metrics.warn_limited("incomplete", why)
 
     def _publish(self, pair: Pair) -> None:
-        tally = self._service.tally
+        metrics = self._service.metrics
         extras = self._fresh(pair.positive.stamp)
         missing = self._inputs.keys() - extras.keys()
         self._service.note = f"no fresh scan of {', '.join(sorted(missing))}" if missing else ""
         if missing:
-            tally.complain("incomplete", f"stamp {pair.positive.stamp}: {self._service.note}")
+            metrics.warn_limited("incomplete", f"stamp {pair.positive.stamp}: {self._service.note}")
             return
         try:
             self._publisher.put(fuse(pair, extras))
-            tally.output(pair.positive.stamp)
+            metrics.output(pair.positive.stamp)
         except GridMismatch as error:
-            tally.complain("mismatch", str(error))
+            metrics.warn_limited("mismatch", str(error))
 
     def _fresh(self, stamp: int) -> dict[str, tuple[ExtraInput, LaserScan]]:
         """The newest scan of every extra input that has one of about this stamp [ns]."""
@@ -66,13 +66,13 @@ class Fuser:
 
 def serve(service: Service[FuseConfig]) -> None:
     """Publish one scan for every frame whose scans are all there."""
-    inbox: Inbox[tuple[str, LaserScan]] = Inbox(ROOM)
+    queue: LatestQueue[tuple[str, LaserScan]] = LatestQueue(ROOM)
     fuser = Fuser(service)
 
     def listen(name: str, topic: Topic[LaserScan]) -> None:
         def accept(scan: LaserScan) -> None:
-            if not inbox.put((name, scan)):
-                service.tally.count("overtaken")
+            if not queue.put((name, scan)):
+                service.metrics.count("overtaken")
 
         service.receive(topic, accept, ROOM)
 
@@ -82,7 +82,7 @@ def serve(service: Service[FuseConfig]) -> None:
         listen(name, topics.scan(source.key))
     service.ready()
     while service.running:
-        arrived = inbox.get(PATIENCE)
+        arrived = queue.get(PATIENCE)
         if arrived:
             fuser.take(*arrived)
         fuser.drop_late()

@@ -39,7 +39,7 @@ class IoLoop:
         self._jobs = Jobs()
         self._port: Port | None = None
         self._delay, self._retry_at = BACK_OFF[0], -math.inf
-        self._controller = BaseController(service.config, service.tally.complain)
+        self._controller = BaseController(service.config, service.metrics.warn_limited)
         self._reported_at = self._beaten_at = -math.inf
         self._reported: tuple[object, ...] = ()
         self._news = News(service)
@@ -58,7 +58,7 @@ class IoLoop:
         for name in requests.keys() - {"clear_safety"}:
             bus.answer(topics.command(name), Desk(self._put, requests[name]))
         names = ["stop", *requests]
-        bus.answer(topics.command("*"), no_desk(names), but_at=[*map(topics.command, names)])
+        bus.answer(topics.command("*"), no_desk(names), except_paths=[*map(topics.command, names)])
 
     def turn(self) -> None:
         """Take in what comes within a tick, do what is to be done, and what is due."""
@@ -80,7 +80,7 @@ class IoLoop:
             try:
                 self._port.stop(commands.base_control(0.0, 0.0))
             except PortLost as lost:
-                self._service.tally.complain("port_lost", str(lost))
+                self._service.metrics.warn_limited("port_lost", str(lost))
             self._port.close()
             self._port = None
 
@@ -97,7 +97,7 @@ class IoLoop:
         port, self._port = self._port, None
         if port:
             port.close()
-        self._service.tally.complain("port_lost", f"{why}; trying again in {self._delay:g} s")
+        self._service.metrics.warn_limited("port_lost", f"{why}; trying again in {self._delay:g} s")
         self._service.waiting(why)
         self._retry_at = time.monotonic() + self._delay
         self._delay = min(2 * self._delay, BACK_OFF[1])
@@ -118,20 +118,20 @@ class IoLoop:
             if stop:
                 self._port.stop(data)
             elif not self._port.write(data):
-                self._service.tally.count("line_busy")
+                self._service.metrics.count("line_busy")
 
     # ---- what comes
 
     def _put(self, job: Job) -> None:
         if not self._jobs.put(job):
-            self._service.tally.complain("overtaken", "more requests come than can be done")
+            self._service.metrics.warn_limited("overtaken", "more requests come than can be done")
 
     def _on_command(self, message: Velocity) -> None:
         def job() -> None:
             self._controller.command(message, time.time_ns(), time.monotonic())
 
         if not self._jobs.put_newest(f"command of {message.source}", job):
-            self._service.tally.complain("command_refused", "too many sources want to drive")
+            self._service.metrics.warn_limited("command_refused", "too many sources want to drive")
 
     def _on_scan(self, scan: LaserScan) -> None:
         self._jobs.put_newest("scan", lambda: self._controller.scan(scan, time.time_ns(), time.monotonic()))
@@ -140,7 +140,7 @@ class IoLoop:
         try:
             camera = RobotDescription.decode(payload).camera
         except MessageError as error:
-            self._service.tally.complain("malformed", f"{path}: {error}")
+            self._service.metrics.warn_limited("malformed", f"{path}: {error}")
             return
         if camera:
             self._jobs.put_newest("camera", lambda: self._controller.describe(camera))
@@ -165,7 +165,7 @@ class IoLoop:
         if now - controller.heard_at > SILENCE_TOLD:
             why = controller.refused or f"{self._config.port}: the base is silent; is it switched on?"
             if (service.state, service.note) != ("waiting", why):
-                service.tally.complain("silent", why)
+                service.metrics.warn_limited("silent", why)
                 service.waiting(why)
         elif controller.accepted and service.state != "working":
             self._delay = BACK_OFF[0]

@@ -15,7 +15,7 @@ class News:
     """Says odometry, state and gyro, as far as anybody listens."""
 
     def __init__(self, service: Service[KobukiConfig]) -> None:
-        self._tally = service.tally
+        self._metrics = service.metrics
         self._odom = service.publisher(topics.ODOMETRY)
         self._state = service.publisher(topics.BASE_STATE)
         self._imu = service.publisher(topics.IMU)
@@ -28,10 +28,10 @@ class News:
     def tell(self, feedback: Feedback, core: Core, estimate: Estimate, stamp: int) -> None:
         """Say what a packet told."""
         self._report.update(feedback, core)
-        if self._odom.heard:
+        if self._odom.has_subscribers:
             self._odom.put(reports.odometry(estimate, stamp))
-        if self._state.heard:
+        if self._state.has_subscribers:
             self._state.put(self._report.message(core, stamp))
-        if feedback.gyro and feedback.inertia and self._imu.heard:
+        if feedback.gyro and feedback.inertia and self._imu.has_subscribers:
             self._imu.put(reports.imu(feedback.gyro, feedback.inertia, stamp))
-        self._tally.output(stamp)
+        self._metrics.output(stamp)

@@ -5,28 +5,27 @@ from __future__ import annotations
 import threading
 
 from cliffscan.common.contract import topics
-from cliffscan.common.perception.combine import combine
-from cliffscan.common.perception.scans import BLANK, laser_scan
+from cliffscan.common.perception.scans import WARMUP_IMAGE
 from cliffscan.common.runtime.service import Service, main
 from cliffscan.services.negative.config import NegativeConfig
-from cliffscan.services.negative.methods import RUN, beams_by_method
+from cliffscan.services.negative.methods import RUN
+from cliffscan.services.negative.scans import negative_scans
 
 
 def serve(service: Service[NegativeConfig]) -> None:
-    """Answer each depth image with the combined scan, and with that of every method it is made of or somebody hears."""
+    """Publish each depth image's combined scan, and that of every method that it is made of or that has subscribers."""
     config = service.config
-    beams_by_method(BLANK, config, config.methods)
-    threading.Thread(target=beams_by_method, args=(BLANK, config, RUN), daemon=True).start()  # compiles the others
-    scans = {method: service.publisher(topics.scan_negative(method)) for method in RUN}
+    negative_scans(WARMUP_IMAGE, config)
+    compile_others = threading.Thread(target=negative_scans, args=(WARMUP_IMAGE, config, RUN), daemon=True)
+    compile_others.start()
+    publishers = {method: service.publisher(topics.scan_negative(method)) for method in RUN}
     combined = service.publisher(topics.SCAN_NEGATIVE)
     for image in service.newest(topics.DEPTH):
-        wanted = [method for method in RUN if method in config.methods or scans[method].heard]
-        found = beams_by_method(image, config, wanted)
-        beams = combine([found[method] for method in config.methods])
-        combined.put(laser_scan(image, beams, config))
-        service.tally.output(image.stamp)
-        for method in wanted:
-            scans[method].put(laser_scan(image, found[method], config))
+        scans = negative_scans(image, config, [method for method in RUN if publishers[method].has_subscribers])
+        combined.put(scans.combined)
+        service.metrics.output(image.stamp)
+        for method, scan in scans.by_method.items():
+            publishers[method].put(scan)
 
 
 if __name__ == "__main__":

@@ -3,30 +3,19 @@
 from __future__ import annotations
 
 from cliffscan.common.contract import topics
-from cliffscan.common.contract.evidence import Evidence
-from cliffscan.common.contract.messages import DepthImage
-from cliffscan.common.perception.combine import Beams
-from cliffscan.common.perception.scans import BLANK, laser_scan, points
+from cliffscan.common.perception.scans import WARMUP_IMAGE
 from cliffscan.common.runtime.service import Service, main
 from cliffscan.services.positive.config import PositiveConfig
-from cliffscan.services.positive.projection import projection
-
-
-def obstacles(image: DepthImage, config: PositiveConfig) -> Beams:
-    """The nearest obstacle in each beam."""
-    seen = points(image, config, lower_than=config.robot_height)
-    ranges = projection(seen, config.grid(), config.floor_band, config.robot_height, config.slope)
-    return Beams.of(ranges, Evidence.POSITIVE).within(config.reach(image.camera))
+from cliffscan.services.positive.scan import positive_scan
 
 
 def serve(service: Service[PositiveConfig]) -> None:
     """Answer each depth image with the scan of what stands on the floor."""
-    config = service.config
-    obstacles(BLANK, config)
+    positive_scan(WARMUP_IMAGE, service.config)
     publisher = service.publisher(topics.SCAN_POSITIVE)
     for image in service.newest(topics.DEPTH):
-        publisher.put(laser_scan(image, obstacles(image, config), config))
-        service.tally.output(image.stamp)
+        publisher.put(positive_scan(image, service.config))
+        service.metrics.output(image.stamp)
 
 
 if __name__ == "__main__":

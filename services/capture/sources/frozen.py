@@ -8,7 +8,7 @@ import time
 import numpy as np
 from numpy.typing import NDArray
 
-from cliffscan.common.runtime.metrics import Tally
+from cliffscan.common.runtime.metrics import ServiceMetrics
 from cliffscan.services.capture.sources.depth_source import SourceLost
 
 PATIENCE = 0.5  # [s] of repeats until the device counts as lost
@@ -21,8 +21,8 @@ class FrozenWatch:
     No sensor's noise comes twice, so a picture that is equal bit for bit to the last one is that one again.
     """
 
-    def __init__(self, tally: Tally) -> None:
-        self._tally = tally
+    def __init__(self, metrics: ServiceMetrics) -> None:
+        self._metrics = metrics
         self._last: NDArray[np.uint16] | None = None
         self._since = math.inf  # when the repeats began
 
@@ -38,7 +38,7 @@ class FrozenWatch:
         if self._last is None or not np.array_equal(depth, self._last):
             self._last, self._since = depth.copy(), math.inf  # a source may use its buffer again
             return True
-        self._tally.complain("frozen", REPEATED)
+        self._metrics.warn_limited("frozen", REPEATED)
         now = time.monotonic()
         self._since = min(self._since, now)
         if now - self._since >= PATIENCE:

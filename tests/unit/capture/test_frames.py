@@ -75,13 +75,13 @@ def test_frames_come_in_order_until_the_end(service, play):
     assert stamps == [1, 2, 3]
     assert (script.opened, script.closed) == (1, 1)
     assert max(script.timeouts) <= 0.1
-    assert service.tally.counts() == {}
+    assert service.metrics.counts() == {}
 
 
 def test_a_bad_frame_is_counted_told_and_left_out(service, play, caplog):
     stamps, script = play([frame(1), BadFrame("000.png: truncated"), frame(2)])
     assert stamps == [1, 2]
-    assert service.tally.counts() == {"bad_frame": 1}
+    assert service.metrics.counts() == {"bad_frame": 1}
     assert "000.png: truncated" in caplog.text
     assert script.opened == 1
 
@@ -90,14 +90,14 @@ def test_a_lost_device_is_opened_again(service, play, caplog):
     stamps, script = play([frame(1), SourceLost("Kinect 0 is gone")], [frame(2)])
     assert stamps == [1, 2]
     assert (script.opened, script.closed) == (2, 2)
-    assert service.tally.counts() == {"source_lost": 1}
+    assert service.metrics.counts() == {"source_lost": 1}
     assert "Kinect 0 is gone; trying again in 0.5 s" in caplog.text
 
 
 def test_a_device_that_stays_away_is_waited_for_longer_and_longer(service, play):
     play(*[SourceLost("none")] * 7, [frame(1)])
     assert service.stop.waits == [0.5, 1, 2, 4, 8, 8, 8]
-    assert service.tally.counts() == {"source_lost": 7}
+    assert service.metrics.counts() == {"source_lost": 7}
 
 
 def test_a_frame_makes_the_next_wait_short_again(service, play):
@@ -145,7 +145,7 @@ def test_a_repeated_picture_is_left_out_counted_and_told_in_the_status(service, 
     notes = []
     monkeypatch.setattr(script, "read", lambda timeout: notes.append(service.note) or Script.read(script, timeout))
     assert [each.stamp for each in capture.frames(service)] == [1, 3]
-    assert service.tally.counts() == {"frozen": 1}
+    assert service.metrics.counts() == {"frozen": 1}
     assert notes[:2] == ["", ""]
     assert all("repeats its last picture" in note for note in notes[2:4])
     assert notes[4] == ""
@@ -159,7 +159,7 @@ def test_a_frozen_device_is_opened_again_later_and_later_and_its_old_picture_sta
     assert stamps == [1, 5]
     assert script.opened == script.closed == 4
     assert service.stop.waits == [0.5, 1, 2]
-    assert service.tally.counts() == {"frozen": 3, "source_lost": 3}
+    assert service.metrics.counts() == {"frozen": 3, "source_lost": 3}
     assert (len(service.bus.announced), service.bus.withdrawn) == (2, 3)
 
 
@@ -267,4 +267,4 @@ def test_every_frame_is_published_with_its_camera(monkeypatch, compressed, encod
     ]
     assert (said[1].depth == 9).all()
     assert said[1].camera == CAMERA
-    assert service.tally.take_outputs() == 2
+    assert service.metrics.take_outputs() == 2

@@ -41,7 +41,7 @@ def test_a_frame_without_floor_keeps_the_last_and_is_told_and_counted(service):
     seen, kept = floors(service, frame(FLOOR, nominal), frame(NOTHING, nominal))
     assert kept == seen
     assert "floor not seen" in service.note
-    assert service.tally.counts()["floor_kept"] == 1
+    assert service.metrics.counts()["floor_kept"] == 1
     floors(service, frame(FLOOR, nominal))
     assert service.note == ""
 

@@ -12,7 +12,7 @@ from cliffscan.common.contract.camera import reach
 from cliffscan.common.contract.depth_codec import RAW
 from cliffscan.common.contract.messages import DepthImage, LaserScan
 from cliffscan.common.perception.combine import Beams
-from cliffscan.common.perception.scans import BLANK, ScanConfig, laser_scan, points
+from cliffscan.common.perception.scans import WARMUP_IMAGE, ScanConfig, laser_scan, points
 from tests.build import camera
 
 INF, NAN = math.inf, math.nan
@@ -89,5 +89,5 @@ def test_points_nearer_than_range_min_are_left_out():
 
 
 def test_the_blank_frame_is_a_frame():
-    assert DepthImage.decode(BLANK.encode()).camera == BLANK.camera
-    assert np.isnan(points(BLANK, ScanConfig(), INF).heights).all()
+    assert DepthImage.decode(WARMUP_IMAGE.encode()).camera == WARMUP_IMAGE.camera
+    assert np.isnan(points(WARMUP_IMAGE, ScanConfig(), INF).heights).all()

@@ -43,7 +43,7 @@ def test_a_bad_message_costs_itself_only(service, taken, caplog, kind):
     for data in (frame(1, 10), BAD[kind], frame(2, 20)):
         service.bus.arrive("camera/depth", data)
     assert [image.stamp for image in taken] == [10, 20]
-    assert service.tally.counts() == {"received": 2, "malformed": 1}
+    assert service.metrics.counts() == {"received": 2, "malformed": 1}
     (told,) = caplog.messages
     assert told.startswith("malformed (1 so far): camera/depth: ")
     assert "\n" not in told
@@ -53,7 +53,7 @@ def test_a_stamp_that_goes_back_is_told_of(service, taken, caplog):
     for seq, stamp in enumerate([10, 20, 5, 6]):
         service.bus.arrive("camera/depth", frame(seq, stamp))
     assert [image.stamp for image in taken] == [10, 20, 5, 6]
-    assert service.tally.counts() == {"received": 4, "stamp_back": 1}
+    assert service.metrics.counts() == {"received": 4, "stamp_back": 1}
     assert "camera/depth: stamp 5 comes 15 ns before" in caplog.text
 
 
@@ -61,7 +61,7 @@ def test_a_second_camera_on_the_key_is_told_of(service, taken, caplog):
     for seq, stamp in [(500, 10), (1, 11), (501, 12), (2, 13)]:
         service.bus.arrive("camera/depth", frame(seq, stamp))
     assert len(taken) == 4
-    assert service.tally.counts() == {"received": 4, "sequence_back": 2}
+    assert service.metrics.counts() == {"received": 4, "sequence_back": 2}
     assert "two cameras share this key" in caplog.text
 
 
@@ -98,7 +98,7 @@ def test_a_slow_service_takes_the_newest_and_counts_the_overtaken(service):
     assert next(newest).stamp == 4
     service.bus.arrive("camera/depth", frame(5, 5))
     assert next(newest).stamp == 5
-    assert service.tally.counts() == {"received": 6, "overtaken": 4}
+    assert service.metrics.counts() == {"received": 6, "overtaken": 4}
     service.stop.set()
     assert list(newest) == []
 
@@ -115,9 +115,9 @@ def test_a_service_is_ready_when_its_subscription_stands(service):
 
 
 def test_a_status_tells_counts_rate_and_latency(service, monkeypatch):
-    service.tally.count("received", 60)
+    service.metrics.count("received", 60)
     for _ in range(30):
-        service.tally.output(0)
+        service.metrics.output(0)
     rounds = iter([False, True])
     monkeypatch.setattr(service.stop, "wait", lambda _timeout: next(rounds))
     service.tell_status()

@@ -47,7 +47,7 @@ class Rig:
 
     @property
     def counts(self):
-        return self.service.tally.counts()
+        return self.service.metrics.counts()
 
 
 @pytest.fixture
@@ -67,7 +67,7 @@ def test_a_complete_frame_is_published_at_once(plain):
     (fused,) = plain.said
     assert fused.stamp == 7
     assert_array_equal(fused.ranges, np.float32([2, 1]))
-    assert plain.service.tally.take_outputs() == 1
+    assert plain.service.metrics.take_outputs() == 1
     assert plain.counts == {"published": 1}
 
 
@@ -151,7 +151,7 @@ def test_the_service_listens_to_both_sides_and_its_extra_inputs(monkeypatch):
     service = play(WITH_LIDAR, arriving, monkeypatch)
     assert_array_equal(service.bus.said["scan/fused"][0].ranges, np.float32([3, 2]))
     assert service.bus.announced == ["fuse"]
-    assert service.tally.counts() == {"received": 3, "published": 1}
+    assert service.metrics.counts() == {"received": 3, "published": 1}
 
 
 def test_what_is_malformed_is_counted_and_the_next_frame_fused(monkeypatch):
@@ -159,12 +159,12 @@ def test_what_is_malformed_is_counted_and_the_next_frame_fused(monkeypatch):
     good = [(path, 9, [1, 2]) for path in ("scan/positive", "scan/negative")]
     service = play(FuseConfig(), [("scan/positive", bad), ("scan/negative", b""), *samples(*good)], monkeypatch)
     assert [fused.stamp for fused in service.bus.said["scan/fused"]] == [9]
-    assert service.tally.counts() == {"malformed": 2, "received": 2, "published": 1}
+    assert service.metrics.counts() == {"malformed": 2, "received": 2, "published": 1}
 
 
 def test_the_service_gives_up_what_stays_alone(monkeypatch):
     service = play(FuseConfig(timeout=1e-9), samples(("scan/positive", 7, [1, 2])), monkeypatch)
-    assert service.tally.counts() == {"received": 1, "incomplete": 1}
+    assert service.metrics.counts() == {"received": 1, "incomplete": 1}
 
 
 def test_scans_of_one_beam_do_not_end_the_service(monkeypatch):

@@ -13,9 +13,10 @@ from cliffscan.common.contract.depth_codec import LEVELS, RAW
 from cliffscan.common.contract.messages import DepthImage
 from cliffscan.common.perception.image_region import view_of
 from cliffscan.common.perception.point_heights import Points
-from cliffscan.services.positive.__main__ import obstacles, serve
+from cliffscan.services.positive.__main__ import serve
 from cliffscan.services.positive.config import PositiveConfig
 from cliffscan.services.positive.projection import projection
+from cliffscan.services.positive.scan import positive_scan
 from tests import build, naive, scenes
 
 CONFIG = PositiveConfig(beams=31)
@@ -28,7 +29,7 @@ def image(stamp=7, camera=None, encoding=LEVELS, **scene):
 
 
 def ranges_of(config=CONFIG, **scene):
-    return obstacles(image(**scene), config).ranges
+    return positive_scan(image(**scene), config).ranges
 
 
 def test_a_wall_is_as_far_as_it_is():
@@ -78,7 +79,7 @@ def test_what_is_nearer_than_range_min_is_part_of_the_robot():
 
 def test_a_frame_without_returns_tells_nothing():
     blind = DepthImage.pack(1, 1, "camera", np.zeros((48, 64), np.uint16), scenes.camera(), RAW)
-    assert np.isnan(obstacles(blind, CONFIG).ranges).all()
+    assert np.isnan(positive_scan(blind, CONFIG).ranges).all()
 
 
 @settings(max_examples=40)
@@ -89,7 +90,7 @@ def test_no_point_in_the_way_is_farther_than_its_beam_says(height, pitch, roll, 
     # no beam begins, ends or has its middle where a column does
     flat, default = (PositiveConfig(beams=30, field_of_view=57, steepest=steepest) for steepest in (0.0, 5.0))
     picture = DepthImage.pack(1, 1, "camera", depth, camera, RAW)
-    found, with_ramps = obstacles(picture, flat).ranges, obstacles(picture, default).ranges
+    found, with_ramps = positive_scan(picture, flat).ranges, positive_scan(picture, default).ranges
     for beam, x, y, above in naive.points(depth, camera, flat.grid()):
         distance = math.hypot(x, y)
         if flat.floor_band + 1e-9 < above <= flat.robot_height - 1e-9:
@@ -101,12 +102,12 @@ def test_no_point_in_the_way_is_farther_than_its_beam_says(height, pitch, roll, 
 def play(config, images, monkeypatch):
     arriving = [("camera/depth", each if isinstance(each, bytes) else each.encode()) for each in images]
     service = build.play(serve, "positive", config, arriving, monkeypatch)
-    return service.bus.said["scan/positive"], service.tally.counts()
+    return service.bus.said["scan/positive"], service.metrics.counts()
 
 
 def test_every_answer_is_counted_as_an_output(monkeypatch):
     arriving = [("camera/depth", image(stamp).encode()) for stamp in (1, 2, 3)]
-    assert build.play(serve, "positive", CONFIG, arriving, monkeypatch).tally.take_outputs() == 3
+    assert build.play(serve, "positive", CONFIG, arriving, monkeypatch).metrics.take_outputs() == 3
 
 
 def test_every_frame_is_answered_with_a_scan_of_its_stamp(monkeypatch):

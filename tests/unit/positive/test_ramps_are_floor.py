@@ -9,8 +9,8 @@ from numpy.testing import assert_allclose
 from cliffscan.common.contract.camera import Camera, FloorPlane, Intrinsics
 from cliffscan.common.contract.depth_codec import RAW
 from cliffscan.common.contract.messages import DepthImage
-from cliffscan.services.positive.__main__ import obstacles
 from cliffscan.services.positive.config import PositiveConfig
+from cliffscan.services.positive.scan import positive_scan
 from tests import scenes
 
 CONFIG = PositiveConfig(beams=31)
@@ -25,7 +25,7 @@ def ranges_on_ramp(look, degrees, foot, config=CONFIG, boxes=(), noise=0.0):
     depth = scenes.depth(camera, boxes=list(boxes), wall=60.0, ramp=(foot, degrees)) / 1000.0
     depth *= 1.0 + noise * depth * np.random.default_rng(1).normal(size=depth.shape)
     millimetres = np.where(depth < 4.5, np.round(depth * 1000.0), 0.0).astype(np.uint16)
-    return obstacles(DepthImage.pack(1, 1, "camera", millimetres, camera, RAW), config).ranges
+    return positive_scan(DepthImage.pack(1, 1, "camera", millimetres, camera, RAW), config).ranges
 
 
 @LOOKS
@@ -77,7 +77,7 @@ def both(camera, **scene):
     image = DepthImage.pack(1, 1, "camera", scenes.depth(camera, wall=60.0, **scene), camera, RAW)
     values = {"beams": 3, "field_of_view": 0.4}
     default, flat = (PositiveConfig(**values, steepest=steepest) for steepest in (5.0, 0.0))
-    return obstacles(image, default).ranges, obstacles(image, flat).ranges
+    return positive_scan(image, default).ranges, positive_scan(image, flat).ranges
 
 
 @pytest.mark.parametrize("pitch", [-20.0, -15.0, -10.0, 0.0, 12.0])

@@ -1,0 +1,1 @@
+"""perception: negative, positive and fuse in one process."""
