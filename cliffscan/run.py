@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import argparse
 import os
-import pkgutil
 import sys
 from collections.abc import Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from cliffscan import services
@@ -20,11 +20,16 @@ def command_line(service: str, options: Sequence[str]) -> list[str]:
     return [sys.executable, "-m", f"cliffscan.services.{service}", *options]
 
 
+def service_names() -> list[str]:
+    """All services that can be run."""
+    return sorted(main.parent.name for folder in services.__path__ for main in Path(folder).glob("*/__main__.py"))
+
+
 def add_run(commands: Commands) -> None:
     """Add the command to a parser's commands."""
     text = "Run one service; `cliffscan run SERVICE --help` prints its options."
     parser = commands.add_parser("run", help=text, description=text)
-    names = sorted(module.name for module in pkgutil.iter_modules(services.__path__) if module.ispkg)
+    names = service_names()
     parser.add_argument("service", choices=names, metavar="SERVICE", help=", ".join(names))
     parser.add_argument("options", nargs=argparse.REMAINDER, metavar="...", help="the service's own options")
 
