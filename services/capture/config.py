@@ -3,15 +3,20 @@
 from __future__ import annotations
 
 import math
-from typing import Annotated, ClassVar, Literal, Self, get_args
+from typing import TYPE_CHECKING, Annotated, ClassVar, Literal, Self
 
 from pydantic import Field, model_validator
 
 from cliffscan.common.contract.camera import Camera, FloorPlane, Intrinsics, check_camera
 from cliffscan.common.contract.message import ListAsTuple
 from cliffscan.common.runtime.config import ConfigError, Profiles, ServiceConfig
+from cliffscan.services.capture.sources.kinds import KINDS
 
-Source = Literal["simulator", "replay", "kinect"]
+if TYPE_CHECKING:
+    Source = str
+else:
+    Source = Literal[*KINDS, ""]
+
 KINECT = (640, 480)  # pixels
 
 
@@ -20,7 +25,7 @@ class CaptureConfig(ServiceConfig):
 
     PROFILES: ClassVar[Profiles] = {"paper": {"floor": "fixed"}}
 
-    source: Literal[Source, ""] = ""
+    source: Source = ""
     """Where depth frames come from. It must be set: a robot must never drive by pictures that nobody chose."""
     compressed: bool = True
     """Whether frames travel compressed, without loss; false sends raw 16UC1."""
@@ -72,8 +77,9 @@ class CaptureConfig(ServiceConfig):
     def check(self) -> None:
         """Raise ConfigError where no source is set."""
         if not self.source:
-            choices = ", ".join(get_args(Source))
-            raise ConfigError(f"capture.source is not set: choose one of {choices}, as --set capture.source=kinect")
+            raise ConfigError(
+                f"capture.source is not set: choose one of {', '.join(KINDS)}, as --set capture.source=kinect"
+            )
 
     def mounted_floor(self) -> FloorPlane:
         """The floor as the mount has it."""

@@ -8,6 +8,7 @@ import tomllib
 import pytest
 
 from cliffscan.common.runtime.config import SENSING, SERVICES
+from cliffscan.services.capture.sources.kinds import KINDS
 from tests.service.conftest import free_endpoint
 
 
@@ -62,7 +63,7 @@ def test_capture_without_a_source_is_refused_before_it_looks_for_a_router():
     refused = ask("capture", "--mode", "client", "--connect", free_endpoint())
     assert refused.returncode == 2
     assert refused.stderr == (
-        "capture: capture.source is not set: choose one of simulator, replay, kinect, as --set capture.source=kinect\n"
+        f"capture: capture.source is not set: choose one of {', '.join(KINDS)}, as --set capture.source=kinect\n"
     )
     assert refused.stdout == ""
 
