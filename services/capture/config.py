@@ -3,15 +3,21 @@
 from __future__ import annotations
 
 import math
-from typing import Annotated, ClassVar, Literal, Self, get_args
+from typing import TYPE_CHECKING, Annotated, ClassVar, Literal, Self
 
 from pydantic import Field, model_validator
 
 from cliffscan.common.contract.camera import Camera, FloorPlane, Intrinsics, check_camera
+from cliffscan.common.contract.description import TURTLEBOT_2, Place
 from cliffscan.common.contract.message import ListAsTuple
 from cliffscan.common.runtime.config import ConfigError, Profiles, ServiceConfig
+from cliffscan.services.capture.sources.kinds import KINDS
 
-Source = Literal["simulator", "replay", "kinect"]
+if TYPE_CHECKING:
+    Source = str
+else:
+    Source = Literal[*KINDS, ""]
+
 KINECT = (640, 480)  # pixels
 
 
@@ -20,7 +26,7 @@ class CaptureConfig(ServiceConfig):
 
     PROFILES: ClassVar[Profiles] = {"paper": {"floor": "fixed"}}
 
-    source: Literal[Source, ""] = ""
+    source: Source = ""
     """Where depth frames come from. It must be set: a robot must never drive by pictures that nobody chose."""
     compressed: bool = True
     """Whether frames travel compressed, without loss; false sends raw 16UC1."""
@@ -39,6 +45,14 @@ class CaptureConfig(ServiceConfig):
     """Angle [deg] by which the camera looks down; a depth folder brings its own."""
     roll: Annotated[float, Field(ge=-180, le=180)] = 0.0
     """Angle [deg] by which the camera leans to its right; a depth folder brings its own."""
+
+    # where the camera stands on the base
+    x: Annotated[float, Field(ge=-5, le=5)] = TURTLEBOT_2.x
+    """Where the camera stands [m], ahead of the middle between the wheels; a TurtleBot 2's Kinect stands behind it."""
+    y: Annotated[float, Field(ge=-5, le=5)] = TURTLEBOT_2.y
+    """Where the camera stands [m], to the left of the middle between the wheels."""
+    yaw: Annotated[float, Field(ge=-180, le=180)] = math.degrees(TURTLEBOT_2.yaw)
+    """Where the camera looks [deg], counter-clockwise from straight ahead."""
 
     # replay
     path: str = ""
@@ -72,12 +86,17 @@ class CaptureConfig(ServiceConfig):
     def check(self) -> None:
         """Raise ConfigError where no source is set."""
         if not self.source:
-            choices = ", ".join(get_args(Source))
-            raise ConfigError(f"capture.source is not set: choose one of {choices}, as --set capture.source=kinect")
+            raise ConfigError(
+                f"capture.source is not set: choose one of {', '.join(KINDS)}, as --set capture.source=kinect"
+            )
 
     def mounted_floor(self) -> FloorPlane:
         """The floor as the mount has it."""
         return FloorPlane.from_mount(self.height, math.radians(self.pitch), math.radians(self.roll))
+
+    def place(self) -> Place:
+        """Where the camera stands on the base."""
+        return Place(self.x, self.y, math.radians(self.yaw))
 
     def kinect(self) -> Camera:
         """The Kinect as it is mounted."""
