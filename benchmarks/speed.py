@@ -29,7 +29,8 @@ from cliffscan.common.perception.combine import combine
 from cliffscan.common.perception.point_heights import point_heights
 from cliffscan.services.capture.floor.tracker import FloorTracker
 from cliffscan.services.negative.config import NegativeConfig
-from cliffscan.services.negative.methods import RUN, beams_by_method
+from cliffscan.services.negative.methods import METHODS
+from cliffscan.services.negative.scans import beams_by_method
 from cliffscan.services.perception.perceive import Settings, perceive
 from cliffscan.services.positive.config import PositiveConfig
 from cliffscan.services.positive.scan import positive_scan
@@ -99,7 +100,7 @@ def jobs(image: DepthImage) -> dict[str, Callable[[], object]]:
 
     return {
         "heights and distances": lambda: point_heights(image.depth, image.camera, ALL.range_min, ALL.floor_band),
-        **{method: partial(RUN[method], seen, ALL) for method in ALL.methods},
+        **{method: partial(METHODS[method].find, seen, ALL) for method in ALL.methods},
         "positive, all of it": lambda: positive_scan(image, POSITIVE),
         "combine three": lambda: combine(beams),
         "default: near_edge + positive + fuse": fused(OURS),

@@ -5,7 +5,6 @@ from __future__ import annotations
 import time
 from collections.abc import Iterator
 from pathlib import Path
-from typing import get_args
 
 import numpy as np
 from rich.progress import Progress
@@ -16,7 +15,8 @@ from cliffscan.common.runtime.config import ConfigError
 from cliffscan.services.capture.sources.depth_source import BadFrame
 from cliffscan.services.capture.sources.replay import CameraFile, images_of, read_camera, read_depth
 from cliffscan.services.fuse.fusion import GridMismatch
-from cliffscan.services.negative.config import Method, NegativeConfig
+from cliffscan.services.negative.config import NegativeConfig
+from cliffscan.services.negative.methods import METHODS
 from cliffscan.services.perception.perceive import Settings, perceive
 from cliffscan.services.positive.config import PositiveConfig
 from cliffscan.system import Plan
@@ -57,7 +57,7 @@ def frames_of(
     Raises ConfigError, SystemExit when told to stop.
     """
     negative, positive = run.config("negative", NegativeConfig), run.config("positive", PositiveConfig)
-    settings = Settings(negative, positive, get_args(Method))
+    settings = Settings(negative, positive, tuple(METHODS))
     for image in progress.track(images, description=name):
         if run.stop.is_set():
             raise SystemExit

@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 import time
 from collections.abc import Mapping, Sequence
-from typing import get_args
 
 from rich.progress import Progress
 
@@ -13,7 +12,8 @@ from cliffscan.common.contract.messages import DepthImage, LaserScan
 from cliffscan.common.contract.topics import DEPTH, SCAN_FUSED, SCAN_NEGATIVE, SCAN_OF_METHOD, SCAN_POSITIVE
 from cliffscan.common.runtime.config import SENSING, ConfigError
 from cliffscan.common.runtime.latest_queue import LatestQueue
-from cliffscan.services.negative.config import Method, NegativeConfig
+from cliffscan.services.negative.config import NegativeConfig
+from cliffscan.services.negative.methods import METHODS
 from cliffscan.simulator.world import World
 from cliffscan.system import Plan, System
 from evaluation.processes.network import free_endpoint
@@ -68,7 +68,7 @@ def run_worlds(run: Run, names: Sequence[str], frames: int) -> None:
 
 def scan_names(methods: Sequence[str]) -> dict[str, str]:
     """All scans of a frame, name by path; `negative` where it is more than the one of `methods` that it is made of."""
-    each = {SCAN_OF_METHOD.named(method).path: method for method in get_args(Method)}
+    each = {SCAN_OF_METHOD.named(method).path: method for method in METHODS}
     combined = {SCAN_NEGATIVE.path: "negative"} if len(methods) > 1 else {}
     return {**each, **combined, SCAN_POSITIVE.path: "positive", SCAN_FUSED.path: "fused"}
 

@@ -16,12 +16,12 @@ from cliffscan.services.fuse.fusion import GridMismatch, fuse
 from cliffscan.services.fuse.pairing import Pair
 from cliffscan.services.kobuki.config import KobukiConfig
 from cliffscan.services.kobuki.protocol import commands
-from cliffscan.services.negative.methods import RUN
+from cliffscan.services.negative.methods import METHODS
 from cliffscan.services.perception.perceive import Settings, perceive
 from tests import build
 from tests.hostile import Case
 
-SETTINGS = Settings(methods=tuple(RUN))
+SETTINGS = Settings(methods=tuple(METHODS))
 HERE = Pose2D(0.0, 0.0, 0.0)
 TICK = 0.02  # [s]
 HONEST = build.scan([2.0] * 100)

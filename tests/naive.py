@@ -18,7 +18,7 @@ from cliffscan.common.perception.image_region import ImageRegion
 from cliffscan.common.perception.point_heights import PointHeights
 from cliffscan.services.negative.column_edges import AGREE, NARROWEST, SIDE
 from cliffscan.services.negative.floor_following import End, FloorCriteria
-from cliffscan.services.negative.near_edge import APART
+from cliffscan.services.negative.methods.near_edge import APART
 from tests import naive_trace
 
 

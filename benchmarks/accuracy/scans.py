@@ -3,26 +3,25 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import get_args
 
 from benchmarks.accuracy.frames import Frame
 from cliffscan.common.contract.beam_fields import Beams
 from cliffscan.common.contract.depth_codec import RAW
 from cliffscan.common.contract.messages import DepthImage
 from cliffscan.common.perception.combine import combine
-from cliffscan.services.negative.config import Method, NegativeConfig
+from cliffscan.services.negative.config import NegativeConfig
+from cliffscan.services.negative.methods import METHODS
 from cliffscan.services.negative.scans import negative_scans
 
-METHODS: tuple[Method, ...] = get_args(Method)
-PAPER: tuple[Method, ...] = ("farthest_point", "virtual_floor")
+PAPER: tuple[str, ...] = ("farthest_point", "virtual_floor")
 BEST = "near_edge"  # the scan whose worst cases are drawn
-CONFIG = NegativeConfig(methods=METHODS)
+CONFIG = NegativeConfig(methods=tuple(METHODS))
 ANGLES = CONFIG.grid().angles()  # [rad]
 
 
-def known_scans() -> dict[str, tuple[Method, ...]]:
+def known_scans() -> dict[str, tuple[str, ...]]:
     """The scans that are scored, by name, and the methods that each combines."""
-    scans: dict[str, tuple[Method, ...]] = {method: (method,) for method in METHODS}
+    scans: dict[str, tuple[str, ...]] = {method: (method,) for method in METHODS}
     scans["paper"] = PAPER
     default = NegativeConfig().methods
     if set(default) not in (set(methods) for methods in scans.values()):

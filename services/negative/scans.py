@@ -2,26 +2,35 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Iterable
 from typing import NamedTuple
 
+from cliffscan.common.contract.beam_fields import Beams
 from cliffscan.common.contract.messages import DepthImage, LaserScan
-from cliffscan.common.perception.combine import combine
+from cliffscan.common.perception.combine import combine, within
+from cliffscan.common.perception.point_heights import point_heights
 from cliffscan.common.perception.scans import laser_scan
-from cliffscan.services.negative.config import Method, NegativeConfig
-from cliffscan.services.negative.methods import beams_by_method
+from cliffscan.services.negative.config import NegativeConfig
+from cliffscan.services.negative.methods import METHODS
 
 
 class NegativeScans(NamedTuple):
     """The scans of one depth image; `combined` is of the configured methods. Paper: algorithm 3."""
 
-    by_method: dict[Method, LaserScan]
+    by_method: dict[str, LaserScan]
     combined: LaserScan
 
 
-def negative_scans(image: DepthImage, config: NegativeConfig, methods: Collection[Method] = ()) -> NegativeScans:
+def negative_scans(image: DepthImage, config: NegativeConfig, methods: Collection[str] = ()) -> NegativeScans:
     """The scans of the configured methods, and of further `methods`."""
     found = beams_by_method(image, config, dict.fromkeys((*config.methods, *methods)))
     combined = combine([found[method] for method in config.methods])
     by_method = {method: laser_scan(image, beams, config) for method, beams in found.items()}
     return NegativeScans(by_method, laser_scan(image, combined, config))
+
+
+def beams_by_method(image: DepthImage, config: NegativeConfig, methods: Iterable[str]) -> dict[str, Beams]:
+    """What each of these methods finds in `image`."""
+    points = point_heights(image.depth, image.camera, config.range_min, lower_than=config.floor_band)
+    reach = config.reach(image.camera)
+    return {name: within(METHODS[name].find(points, config), reach) for name in methods}

@@ -9,7 +9,7 @@ from cliffscan.common.contract.messages import DepthImage, LaserScan
 from cliffscan.common.runtime.config import PROFILES
 from cliffscan.services.fuse.fusion import fuse
 from cliffscan.services.fuse.pairing import Pair
-from cliffscan.services.negative.config import Method, NegativeConfig
+from cliffscan.services.negative.config import NegativeConfig
 from cliffscan.services.negative.scans import negative_scans
 from cliffscan.services.positive.config import PositiveConfig
 from cliffscan.services.positive.scan import positive_scan
@@ -20,7 +20,7 @@ class Settings(NamedTuple):
 
     negative: NegativeConfig = NegativeConfig()
     positive: PositiveConfig = PositiveConfig()
-    methods: Collection[Method] = ()
+    methods: Collection[str] = ()
 
     @classmethod
     def of_profile(cls, profile: str) -> Settings:
@@ -35,7 +35,7 @@ class Scans(NamedTuple):
     """The scans of one depth image."""
 
     positive: LaserScan
-    by_method: dict[Method, LaserScan]
+    by_method: dict[str, LaserScan]
     negative: LaserScan
     fused: LaserScan
 

@@ -30,7 +30,7 @@ CAMERAS = [
 @pytest.fixture
 def services(start):
     for service in ("negative", "positive"):
-        start(service, "--set", f"{service}.beams={GRID.beams}", "--set", "profile=paper", wait=False)
+        start(service, "--set", f"scan.beams={GRID.beams}", "--set", "profile=paper", wait=False)
     start("fuse", wait=False)
 
 

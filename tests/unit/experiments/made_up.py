@@ -8,8 +8,8 @@ from cliffscan.common.contract.messages import DepthImage
 from cliffscan.common.perception.combine import beams_with, combine
 from cliffscan.common.perception.point_heights import point_heights
 from cliffscan.common.perception.scans import ImageScanConfig, laser_scan
-from cliffscan.services.negative.farthest_point import farthest_point
-from cliffscan.services.negative.virtual_floor import virtual_floor
+from cliffscan.services.negative.methods.farthest_point import farthest_point
+from cliffscan.services.negative.methods.virtual_floor import virtual_floor
 from cliffscan.services.positive.projection import projection
 from experiments.frames import Frame
 from tests import scenes

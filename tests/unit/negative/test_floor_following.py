@@ -14,7 +14,7 @@ from cliffscan.common.contract.camera import FloorPlane
 from cliffscan.common.perception.point_heights import point_heights
 from cliffscan.services.negative.config import NegativeConfig
 from cliffscan.services.negative.floor_following import End, floor_trace, single
-from cliffscan.services.negative.near_edge import rows_outward
+from cliffscan.services.negative.methods.near_edge import rows_outward
 from tests import naive, naive_trace, scenes
 
 CONFIG = NegativeConfig()

@@ -10,7 +10,7 @@ from cliffscan.common.contract.depth_codec import RAW
 from cliffscan.common.contract.evidence import Evidence
 from cliffscan.common.contract.messages import DepthImage
 from cliffscan.services.negative.config import NegativeConfig
-from cliffscan.services.negative.methods import beams_by_method
+from cliffscan.services.negative.scans import beams_by_method
 from tests import scenes
 
 CAMERA = scenes.camera(320, 240, FloorPlane.from_mount(0.3, math.radians(12)))

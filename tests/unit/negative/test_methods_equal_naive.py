@@ -11,8 +11,8 @@ from numpy.testing import assert_allclose, assert_array_equal
 from cliffscan.common.contract.beam_grid import Grid
 from cliffscan.common.contract.camera import FloorPlane, reach
 from cliffscan.common.perception.point_heights import point_heights
-from cliffscan.services.negative.farthest_point import farthest_point
-from cliffscan.services.negative.virtual_floor import virtual_floor
+from cliffscan.services.negative.methods.farthest_point import farthest_point
+from cliffscan.services.negative.methods.virtual_floor import virtual_floor
 from cliffscan.services.positive.projection import projection
 from tests import naive, naive_positive, scenes
 

@@ -13,7 +13,7 @@ from cliffscan.common.contract.beam_grid import Grid
 from cliffscan.common.contract.camera import FloorPlane
 from cliffscan.common.perception.point_heights import point_heights
 from cliffscan.services.negative.config import NegativeConfig
-from cliffscan.services.negative.near_edge import FloorLost, near_edge
+from cliffscan.services.negative.methods.near_edge import FloorLost, near_edge
 from tests import naive, scenes
 
 CONFIG = NegativeConfig()

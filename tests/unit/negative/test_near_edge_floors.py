@@ -10,7 +10,7 @@ from cliffscan.common.contract.camera import Camera, FloorPlane, scan_axes
 from cliffscan.common.contract.depth_codec import RAW
 from cliffscan.common.contract.messages import DepthImage
 from cliffscan.services.negative.config import NegativeConfig
-from cliffscan.services.negative.methods import beams_by_method
+from cliffscan.services.negative.scans import beams_by_method
 from cliffscan.simulator.kinect import KinectModel, kinect_camera, measure, returns
 from tests import scenes
 

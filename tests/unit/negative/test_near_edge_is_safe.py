@@ -1,7 +1,6 @@
 """What the robot lives by: near_edge tells no edge too far, and nothing free that was not seen."""
 
 import math
-from typing import get_args
 
 import numpy as np
 import pytest
@@ -13,12 +12,12 @@ from cliffscan.common.contract.depth_codec import RAW
 from cliffscan.common.contract.evidence import Evidence
 from cliffscan.common.contract.messages import DepthImage
 from cliffscan.common.perception.combine import combine
-from cliffscan.services.negative.config import Method, NegativeConfig
-from cliffscan.services.negative.methods import beams_by_method
+from cliffscan.services.negative.config import NegativeConfig
+from cliffscan.services.negative.methods import METHODS
+from cliffscan.services.negative.scans import beams_by_method
 from cliffscan.services.negative.shadow import shadowed
 from tests import scenes
 
-METHODS = get_args(Method)
 CONFIG = NegativeConfig()
 ANGLES = CONFIG.grid().angles()
 BLOCK = 0.2  # [m] of floor, more than least_gap
@@ -151,7 +150,7 @@ def test_any_image_of_any_camera_gives_lawful_scans(height, pitch, roll, kind, s
 
 
 @settings(max_examples=30)
-@given(st.floats(0, 35), st.floats(0, 0.6), st.permutations(METHODS), SIZES)
+@given(st.floats(0, 35), st.floats(0, 0.6), st.permutations(list(METHODS)), SIZES)
 def test_combining_it_with_others_never_hides_an_obstacle(pitch, lost, methods, seed):
     camera = mounted(0.3, pitch)
     depth = scenes.depth(camera, [scenes.HOLE])

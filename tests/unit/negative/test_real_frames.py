@@ -13,7 +13,7 @@ from cliffscan.common.contract.depth_codec import RAW
 from cliffscan.common.contract.messages import DepthImage
 from cliffscan.services.capture.sources.replay import read_camera, read_depth
 from cliffscan.services.negative.config import NegativeConfig
-from cliffscan.services.negative.methods import beams_by_method
+from cliffscan.services.negative.scans import beams_by_method
 
 REAL = Path(__file__).parents[4] / "shared/data/real"
 GRID = NegativeConfig().grid()

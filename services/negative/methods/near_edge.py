@@ -7,24 +7,63 @@ sensor's row spacing and noise explain, the last floor seen is the edge.
 from __future__ import annotations
 
 from functools import lru_cache
-from typing import Literal
+from typing import Annotated, Literal
 
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import Field
 
 from cliffscan.common.contract.beam_fields import Beams
 from cliffscan.common.contract.beam_grid import Grid
+from cliffscan.common.contract.camera import Camera
 from cliffscan.common.contract.evidence import Evidence
 from cliffscan.common.perception.image_region import ImageRegion
 from cliffscan.common.perception.point_heights import PointHeights
+from cliffscan.common.perception.scans import ImageScanConfig
 from cliffscan.services.negative.column_beams import beams_of_columns
 from cliffscan.services.negative.column_edges import locate_edges, reject_unreliable
 from cliffscan.services.negative.floor_following import End, FloorCriteria, floor_trace, single
+from cliffscan.services.negative.registry import negative_method
 from cliffscan.services.negative.shadow import shadowed
 
+TRUSTED = 0.97  # of the sensor's range; beyond, noise takes depths out of it
 FloorLost = Literal["counts", "beside_drop", "ignored"]
 
 APART = 0.01  # [m] of floor between two rows that are looked at, where the image has more
+
+
+class NearEdgeConfig(ImageScanConfig):
+    """What near_edge takes for floor."""
+
+    floor_lost: FloorLost = "counts"
+    """What floor without data is: it counts as a drop, counts only beside_drop that is seen, or is ignored."""
+    least_drop: Annotated[float, Field(ge=0.01, le=0.2)] = 0.025
+    """Height [m] of the lowest step down that is a drop; a lower one is floor."""
+    least_gap: Annotated[float, Field(ge=0.02, le=1)] = 0.12
+    """Length [m] of floor without data from which on it is lost; less is chance."""
+    sight: Annotated[float, Field(gt=0, le=20)] = 4.0
+    """Distance [m] up to which the sensor sees floor, if its range allows."""
+    grazing: Annotated[float, Field(ge=0.01, le=0.5)] = 0.07
+    """Sine [1] of the angle below which floor may return nothing."""
+    noise: Annotated[float, Field(ge=1e-4, le=0.1)] = 1.64e-3
+    """Standard deviation [1/m] of the inverse depth, the sensor's steps included."""
+    baseline: Annotated[float, Field(ge=0, le=1)] = 0.075
+    """Distance [m] between camera and projector, which makes shadows as wide."""
+
+    def criteria(self, camera: Camera) -> FloorCriteria[float]:
+        """What near_edge takes for floor in images of a camera."""
+        near, far = camera.range
+        slope = self.steepest_rise()
+        return FloorCriteria(
+            near, min(TRUSTED * far, self.sight), self.noise, self.grazing, slope, self.least_drop, self.least_gap
+        )
+
+
+@negative_method("near_edge", NearEdgeConfig)
+def find(points: PointHeights, config: NearEdgeConfig) -> Beams:
+    """The method with its configuration."""
+    criteria = config.criteria(points.region.camera)
+    return near_edge(points, config.grid(), criteria, config.floor_lost, config.baseline)
 
 
 def near_edge(
