@@ -50,6 +50,8 @@ class KobukiConfig(ServiceConfig):
     # what it can collide with, and how it brakes
     robot_radius: Annotated[float, Field(gt=0, le=1)] = 0.18
     """Radius [m] of the robot's body."""
+    robot_height: Annotated[float, Field(gt=0, le=3)] = 0.42
+    """Height [m] of the robot's body, as it is described to others."""
     margin: Annotated[float, Field(ge=0, le=1)] = 0.03
     """Distance [m] kept from what is in the way."""
     deceleration: Annotated[float, Field(gt=0, le=5)] = 0.6

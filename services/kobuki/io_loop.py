@@ -90,7 +90,8 @@ class IoLoop:
         self._port = Port(self._config.port)
         self._controller.connect(self._port.emulated, now)
         self._publishers.begin()
-        body = BodyDescription(simulated=self._port.emulated, radius=self._config.robot_radius)
+        config = self._config
+        body = BodyDescription(simulated=self._port.emulated, radius=config.robot_radius, height=config.robot_height)
         self._describe(RobotDescription(stamp=time.time_ns(), body=body))
 
     def _lose(self, why: str) -> None:
