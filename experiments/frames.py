@@ -6,7 +6,7 @@ from collections.abc import Collection
 from typing import NamedTuple
 
 from cliffscan.common.contract.messages import DepthImage, LaserScan
-from cliffscan.common.contract.topics import DEPTH, SCAN_FUSED, SCAN_NEGATIVE, SCAN_POSITIVE, scan_negative
+from cliffscan.common.contract.topics import DEPTH, SCAN_FUSED, SCAN_NEGATIVE, SCAN_OF_METHOD, SCAN_POSITIVE
 
 ROOM = 64  # frames that may wait for their last message
 
@@ -52,7 +52,7 @@ class Gathering:
 
 def scan_paths(methods: Collection[str]) -> list[str]:
     """The paths of all scans of a frame, in the order in which they are shown; `methods` are those of negative."""
-    each = [scan_negative(method).path for method in methods]
+    each = [SCAN_OF_METHOD.named(method).path for method in methods]
     return [*each, SCAN_NEGATIVE.path, SCAN_POSITIVE.path, SCAN_FUSED.path]
 
 

@@ -18,7 +18,7 @@ from benchmarks.accuracy.scene import Scene
 from benchmarks.accuracy.score import Verdict, judge
 from benchmarks.accuracy.sight import floor_points, pixels
 from benchmarks.accuracy.truth import Truth, steps, truth_of
-from cliffscan.common.perception.combine import Ranges
+from cliffscan.common.contract.beam_fields import Ranges
 
 COLOURS = {
     Verdict.UNCOUNTED: "tab:gray",

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.accuracy.truth import Truth
-from cliffscan.common.perception.combine import Beams
+from cliffscan.common.contract.beam_fields import Beams
 
 Ranges = NDArray[np.floating[Any]]
 Verdicts = NDArray[np.int8]

@@ -6,13 +6,13 @@ import pytest
 from benchmarks.accuracy.figures import Figures
 from benchmarks.accuracy.score import Tally, Verdict, judge
 from benchmarks.accuracy.truth import EARLY, Truth
-from cliffscan.common.perception.combine import NOT_TOLD, Beams
+from cliffscan.common.contract.beam_fields import ABSENT, Beams
 
 INF, NAN = np.inf, np.nan
 
 
-def scan(ranges, clear=NOT_TOLD):
-    return Beams(np.array(ranges), np.zeros(len(ranges)), np.array(clear))
+def scan(ranges, clear=ABSENT):
+    return Beams(ranges=np.array(ranges), intensities=np.zeros(len(ranges)), clear=np.array(clear))
 
 
 def truth(edge, allowed=0.02, drop=None, undecidable=None, sinking=None, earliest=None):
