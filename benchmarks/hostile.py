@@ -7,15 +7,15 @@ frame, and a request to the base, has to be answered at once.
 from __future__ import annotations
 
 import argparse
-import subprocess
-import sys
 import tempfile
 import time
-from collections import Counter
+from collections import Counter, defaultdict
 from pathlib import Path
 
 import psutil
 
+from evaluation.processes.started import Started
+from evaluation.tables import Table
 from tests.hostile import cases
 from tests.hostile_readers import Readers
 from tests.hostile_services import Trial
@@ -31,7 +31,7 @@ def in_process(seed: int, count: int) -> None:
     readers, process = Readers(), psutil.Process()
     taken: Counter[str] = Counter()
     all_of: Counter[str] = Counter()
-    longest: Counter[str] = Counter()
+    longest: dict[str, float] = defaultdict(float)
     memory = []
     for number, case in enumerate(cases(seed, count)):
         name, began = case.kind.__name__, time.perf_counter()
@@ -41,31 +41,25 @@ def in_process(seed: int, count: int) -> None:
             longest[name] = max(longest[name], time.perf_counter() - began)
         if number % (count // SAMPLES or 1) == 0:
             memory.append(process.memory_info().rss / MB)
-    print("| message | sent | taken | longest [ms] |\n|---|---:|---:|---:|")
-    for name, sent in all_of.most_common():
-        print(f"| {name} | {sent} | {taken[name]} | {1e3 * longest[name]:.1f} |")
-    print(f"memory [MB]: {', '.join(f'{each:.0f}' for each in memory)}")
+    rows = [(name, str(sent), str(taken[name]), f"{1e3 * longest[name]:.1f}") for name, sent in all_of.most_common()]
+    note = f"memory [MB]: {', '.join(f'{each:.0f}' for each in memory)}"
+    print(Table("Hostile messages", ("message", "sent", "taken", "longest [ms]"), rows, note=note).markdown())
 
 
 def to_services(seed: int, count: int) -> None:
     """The real services take them."""
-    client, running = Client(), []
-    with tempfile.TemporaryDirectory() as folder:
+    client = Client()
+    with tempfile.TemporaryDirectory() as folder, Started() as started:
         link = Path(folder) / "kobuki"
-        running.append(subprocess.Popen([sys.executable, "-m", "simulator.kobuki", "--link", str(link)]))
-        for service in ("negative", "positive", "fuse", "kobuki"):
-            where = ["--robot", client.robot, "--mode", "client", "--connect", client.endpoint]
-            extra = ["--set", f"kobuki.port={link}"] if service == "kobuki" else []
-            running.append(subprocess.Popen([sys.executable, "-m", f"services.{service}", *where, *extra]))
-            client.wait_alive(service)
-        try:
-            told = Trial(client, [process.pid for process in running[1:]]).run(seed, count)
-            died = [process.args for process in running if process.poll() is not None]
-        finally:
-            for process in reversed(running):
-                process.terminate()
-                process.wait()
-            client.session.close()
+        started.module("cliffscan.simulator.kobuki", "--link", link)
+        services = []
+        for name in ("negative", "positive", "fuse", "kobuki"):
+            settings = [f"kobuki.port={link}"] if name == "kobuki" else []
+            services.append(started.service(name, client.robot, client.endpoint, *settings))
+            client.wait_alive(name)
+        told = Trial(client, [process.pid for process in services]).run(seed, count)
+        died = started.died
+    client.session.close()
     print(f"{count} messages: a good frame or a request was answered within {1e3 * told.longest:.0f} ms,")
     print(f"memory grew by {told.growth / MB:.1f} MB at most, died: {died or 'none'}")
 

@@ -11,8 +11,6 @@ from __future__ import annotations
 
 import argparse
 import select
-import subprocess
-import sys
 import tempfile
 import threading
 import time
@@ -24,21 +22,24 @@ from typing import NamedTuple
 import numpy as np
 import psutil
 from rich.console import Console
-from rich.table import Table
 
+from benchmarks.faults.intruder import free_scan
 from cliffscan.common.contract import topics
 from cliffscan.common.contract.base_messages import Velocity
-from cliffscan.common.contract.messages import LaserScan
 from cliffscan.common.runtime.bus import Bus, Network
 from cliffscan.simulator.kobuki.base import Base
 from cliffscan.simulator.kobuki.cable import Cable
 from cliffscan.simulator.kobuki.commands import BaseControl
+from evaluation.processes.network import free_endpoint
+from evaluation.processes.started import Started, cpu
+from evaluation.tables import Table
 
 TICK = 0.02  # [s] of the base
 FASTEST, STEP = 0.65, 0.001  # [m/s]
 WARM_UP = 60  # commands in which the base comes up to speed
 PERIOD = 0.047  # [s] between commands, so that they meet every phase of the base's ticks
-FREE = np.full(640, 4.0, np.float32)
+BEAMS = 640  # of a fused scan
+HEADINGS = ("listens", "commands", "p50 ms", "p99 ms", "max ms", "CPU % of a core", "resident MiB")
 
 
 def main() -> None:
@@ -46,31 +47,27 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--commands", type=int, default=500)
     options = parser.parse_args()
-    robot = f"bench-{uuid.uuid4().hex[:8]}"
-    with tempfile.TemporaryDirectory() as folder, Bus(Network(), robot) as bus:
+    robot, endpoint = f"bench-{uuid.uuid4().hex[:8]}", free_endpoint()
+    heard: Queue[tuple[float, int]] = Queue()
+    ended, alive = threading.Event(), threading.Event()
+    with tempfile.TemporaryDirectory() as folder, Bus(Network("router", [], [endpoint]), robot) as bus:
         link = Path(folder) / "kobuki"
-        heard: Queue[tuple[float, int]] = Queue()
-        ended = threading.Event()
         base = threading.Thread(target=live, args=(link, heard, ended))
         base.start()
-        alive = threading.Event()
         bus.watch_alive(lambda name, here: alive.set() if name == "kobuki" and here else None)
-        service = subprocess.Popen(
-            [sys.executable, "-m", "services.kobuki", "--robot", robot, "--set", f"kobuki.port={link}"]
-        )
         try:
-            if not alive.wait(20.0):
-                raise SystemExit("kobuki does not come to life")
-            alone = measure(bus, heard, psutil.Process(service.pid), options.commands)
-            for topic in (topics.ODOMETRY, topics.BASE_STATE, topics.IMU):
-                bus.subscribe(topic.path, lambda path, payload: None)  # noqa: ARG005
-            followed = measure(bus, heard, psutil.Process(service.pid), options.commands)
-            show({"nobody": alone, "somebody": followed})
+            with Started() as started:
+                service = started.service("kobuki", robot, endpoint, f"kobuki.port={link}")
+                if not alive.wait(20.0):
+                    raise SystemExit("kobuki does not come to life")
+                alone = measure(bus, heard, service, options.commands)
+                for topic in (topics.ODOMETRY, topics.BASE_STATE, topics.IMU):
+                    bus.subscribe(topic.path, lambda path, payload: None)  # noqa: ARG005
+                followed = measure(bus, heard, service, options.commands)
         finally:
-            service.terminate()
-            service.wait()
             ended.set()
             base.join()
+    Console().print(table({"nobody": alone, "somebody": followed}).rich())
 
 
 def live(link: Path, heard: Queue[tuple[float, int]], ended: threading.Event) -> None:
@@ -106,7 +103,7 @@ def measure(bus: Bus, heard: Queue[tuple[float, int]], process: psutil.Process, 
     latencies: list[float] = []
     began, used = time.perf_counter(), cpu(process)
     for number in range(-WARM_UP, commands):
-        fused.put(free_scan(number + WARM_UP))
+        fused.put(free_scan(time.time_ns(), BEAMS, number + WARM_UP))
         while not heard.empty():
             heard.get()
         speed = FASTEST - STEP * max(number, 0)
@@ -127,41 +124,13 @@ def when(heard: Queue[tuple[float, int]], speed: int) -> float:
             return at
 
 
-def free_scan(seq: int) -> LaserScan:
-    """A fused scan in which nothing is near."""
-    half = float(np.radians(29))
-    return LaserScan(
-        seq=seq,
-        stamp=time.time_ns(),
-        frame="camera_footprint",
-        angle_min=-half,
-        angle_max=half,
-        angle_increment=2 * half / 639,
-        time_increment=0.0,
-        scan_time=PERIOD,
-        range_min=0.0,
-        range_max=10.0,
-        ranges=FREE,
-        intensities=np.zeros(640, np.float32),
-    )
-
-
-def cpu(process: psutil.Process) -> float:
-    """CPU time [s] so far."""
-    times = process.cpu_times()
-    return times.user + times.system
-
-
-def show(results: dict[str, Result]) -> None:
-    """Print the figures, by who listens."""
-    table = Table(title="command to serial bytes", title_justify="left")
-    table.add_column("listens")
-    for heading in ("commands", "p50 ms", "p99 ms", "max ms", "CPU % of a core", "resident MiB"):
-        table.add_column(heading, justify="right")
+def table(results: dict[str, Result]) -> Table:
+    """The figures, by who listens."""
+    rows = []
     for listens, (latencies, share, memory) in results.items():
         spread = (f"{1e3 * value:.2f}" for value in np.percentile(latencies, (50, 99, 100)))
-        table.add_row(listens, str(len(latencies)), *spread, f"{100 * share:.1f}", f"{memory:.0f}")
-    Console().print(table)
+        rows.append((listens, str(len(latencies)), *spread, f"{100 * share:.1f}", f"{memory:.0f}"))
+    return Table("command to serial bytes", HEADINGS, rows)
 
 
 if __name__ == "__main__":

@@ -8,7 +8,6 @@ Latency runs from the frame's stamp, taken before the simulator draws it, to the
 from __future__ import annotations
 
 import argparse
-import socket
 import time
 import uuid
 from typing import NamedTuple
@@ -16,17 +15,21 @@ from typing import NamedTuple
 import numpy as np
 import psutil
 from rich.console import Console
-from rich.table import Table
 
 from cliffscan.common.contract import topics
 from cliffscan.common.contract.messages import LaserScan
 from cliffscan.common.runtime.latest_queue import LatestQueue
 from cliffscan.common.runtime.service import PATIENCE, StopSignal
 from cliffscan.system import Plan, System
+from evaluation.processes.network import free_endpoint
+from evaluation.processes.started import cpu
+from evaluation.tables import Table
 
 WARM_UP = 60  # frames left out, while caches fill and sessions settle
 SAMPLES = 10  # looks at each process's memory
 MIB = 2**20
+PIPELINE = ("frames", "lost", "Hz", "p50 ms", "p95 ms", "p99 ms", "max ms")
+PROCESSES = ("process", "CPU % of a core", "resident MiB: first", "last", "most")
 
 
 class Usage(NamedTuple):
@@ -71,35 +74,25 @@ def measure(plan: Plan, frames: int) -> Run:
                 first, started = scan.seq, time.monotonic()
                 processes = {name: psutil.Process(child.pid) for name, child in system.supervisor.children.items()}
                 looks = {name: [] for name in processes}
-                cpu_before = {name: _cpu(process) for name, process in processes.items()}
+                cpu_before = {name: cpu(process) for name, process in processes.items()}
             if len(latencies) % every == 0:
                 for name, process in processes.items():
                     looks[name].append(process.memory_info().rss / MIB)
             last = scan.seq
             latencies.append((at - scan.stamp) * 1e-9)
-        usage = {name: Usage(looks[name], _cpu(process) - cpu_before[name]) for name, process in processes.items()}
+        usage = {name: Usage(looks[name], cpu(process) - cpu_before[name]) for name, process in processes.items()}
         return Run(np.array(latencies), last - first + 1 - len(latencies), time.monotonic() - started, usage)
-
-
-def _cpu(process: psutil.Process) -> float:
-    times = process.cpu_times()
-    return times.user + times.system
 
 
 def tables(run: Run) -> list[Table]:
     """The figures for people."""
-    pipeline = Table(title="capture to fused", title_justify="left")
-    for heading in ("frames", "lost", "Hz", "p50 ms", "p95 ms", "p99 ms", "max ms"):
-        pipeline.add_column(heading, justify="right")
     spread = (f"{1e3 * value:.1f}" for value in np.percentile(run.latencies, (50, 95, 99, 100)))
-    pipeline.add_row(str(len(run.latencies)), str(run.lost), f"{len(run.latencies) / run.seconds:.1f}", *spread)
-    processes = Table(title="processes", title_justify="left")
-    for heading in ("process", "CPU % of a core", "resident MiB: first", "last", "most"):
-        processes.add_column(heading, justify="right")
-    for name, (resident, cpu) in run.usage.items():
-        figures = (100 * cpu / run.seconds, resident[0], resident[-1], max(resident))
-        processes.add_row(name, *(f"{figure:.1f}" for figure in figures))
-    return [pipeline, processes]
+    figures = str(len(run.latencies)), str(run.lost), f"{len(run.latencies) / run.seconds:.1f}", *spread
+    rows = [
+        (name, *(f"{value:.1f}" for value in (100 * cpu / run.seconds, resident[0], resident[-1], max(resident))))
+        for name, (resident, cpu) in run.usage.items()
+    ]
+    return [Table("capture to fused", PIPELINE, [figures], 0), Table("processes", PROCESSES, rows)]
 
 
 def main() -> None:
@@ -109,16 +102,14 @@ def main() -> None:
     parser.add_argument("--rate", type=float, default=30.0, help="[Hz]")
     parser.add_argument("--raw", action="store_true", help="send depth uncompressed")
     options = parser.parse_args()
-    with socket.create_server(("127.0.0.1", 0)) as server:
-        endpoint = f"tcp/127.0.0.1:{server.getsockname()[1]}"
     settings = [
         "capture.source=simulator",
         f"capture.rate={options.rate}",
         f"capture.compressed={str(not options.raw).lower()}",
     ]
-    plan = Plan(f"bench-{uuid.uuid4().hex[:8]}", (endpoint,), overrides=settings)
+    plan = Plan(f"bench-{uuid.uuid4().hex[:8]}", (free_endpoint(),), overrides=settings)
     for table in tables(measure(plan, options.frames)):
-        Console().print(table)
+        Console().print(f"\n{table.title}", table.rich())
 
 
 if __name__ == "__main__":

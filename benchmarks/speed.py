@@ -13,13 +13,13 @@ import sys
 import tempfile
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from itertools import count
 from statistics import median
 from time import perf_counter
 
 import numpy as np
 from rich.console import Console
-from rich.table import Table
 
 from cliffscan.common.contract.beam_grid import Grid
 from cliffscan.common.contract.camera import FloorPlane, scan_axes
@@ -35,6 +35,7 @@ from cliffscan.services.positive.config import PositiveConfig
 from cliffscan.services.positive.scan import positive_scan
 from cliffscan.simulator.camera import SimulatedKinect
 from cliffscan.simulator.kinect import KinectModel, kinect_camera
+from evaluation.tables import Table
 
 WORLDS = {"paper_room": 0.0, "stairs_corridor": 0.0, "empty_room": 0.0, "paper_room, 20° down": 20.0}
 PAPER = NegativeConfig(methods=("farthest_point", "virtual_floor"))
@@ -98,7 +99,7 @@ def jobs(image: DepthImage) -> dict[str, Callable[[], object]]:
 
     return {
         "heights and distances": lambda: points(image, ALL, ALL.floor_band),
-        **{method: (lambda method=method: RUN[method](seen, ALL)) for method in ALL.methods},
+        **{method: partial(RUN[method], seen, ALL) for method in ALL.methods},
         "positive, all of it": lambda: positive_scan(image, POSITIVE),
         "combine three": lambda: combine(beams),
         "default: near_edge + positive + fuse": fused(OURS),
@@ -137,11 +138,9 @@ def main() -> None:
     parser.add_argument("--frames", type=int, default=200)
     frames = parser.parse_args().frames
     columns = {name: medians(jobs(image_of(name.partition(",")[0], pitch)), frames) for name, pitch in WORLDS.items()}
-    table = Table("one frame of 640 x 480, median ms", *columns)
-    for name in next(iter(columns.values())):
-        table.add_row(name, *(f"{column[name]:.3f}" for column in columns.values()))
+    rows = [(name, *(f"{column[name]:.3f}" for column in columns.values())) for name in next(iter(columns.values()))]
     console = Console(width=150)
-    console.print(table)
+    console.print(Table("", ("one frame of 640 x 480, median ms", *columns), rows).rich())
     console.print(f"first result of a fresh process without compiled kernels: {cold_start():.1f} s")
 
 

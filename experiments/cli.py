@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import logging
-from dataclasses import replace
 from pathlib import Path
 from typing import get_args
 
@@ -14,13 +13,14 @@ from cliffscan.common.runtime.bus import BusError
 from cliffscan.common.runtime.config import ConfigError
 from cliffscan.common.runtime.service import USAGE_ERROR, StopSignal
 from cliffscan.supervisor import ConfigRefused
-from experiments.collect import Failed
-from experiments.drive import Step, To
+from evaluation.processes.steering import Step, To
+from evaluation.processes.watch import Failed
+from experiments.folder import run_folder
 from experiments.map_system import Mapper
 from experiments.mapping import ROUND, run_mapping
-from experiments.run import Run, run_folder, run_worlds
+from experiments.run import Run
+from experiments.worlds import run_worlds
 
-EVERY_METHOD = 'negative.methods=["farthest_point", "virtual_floor", "near_edge"]'  # unless --set has it otherwise
 WORLDS = ("paper_room", "paper_room_open")  # figures 11 to 13, 17, 18, 21; 14 to 16, 19, 20, 22
 INTERRUPTED = 130
 DESCRIPTION = "The paper's experiments through the real services, or the same pictures of a recording."
@@ -36,7 +36,6 @@ def build_parser() -> argparse.ArgumentParser:
     parser.add_argument("--frames", type=positive, default=30, metavar="N", help="frames of each world (default 30)")
     parser.add_argument("--slam", choices=get_args(Mapper), default="odometry_map", help="what maps (%(default)s)")
     parser.add_argument("--route", type=route, default=ROUND, metavar="'X,Y ...'", help="way points [m] of the drive")
-    parser.add_argument("--film", type=Path, metavar="FILE", help="make an animated GIF of the drive")
     parser.add_argument(
         "--out", type=Path, default=Path("out"), metavar="DIR", help="where to write (default: out beside demo)"
     )
@@ -68,7 +67,7 @@ def main() -> None:
     arguments = parser.parse_args()
     logging.basicConfig(level=logging.INFO, format="%(asctime)s %(levelname)s demo: %(message)s")
     stop = StopSignal()
-    run = Run(Console(), stop, arguments.out, [EVERY_METHOD, *arguments.set])
+    run = Run(Console(), stop, arguments.out, arguments.set)
     try:
         arguments.out.mkdir(parents=True, exist_ok=True)
         run.log_file.write_text("")
@@ -81,7 +80,7 @@ def main() -> None:
             if not arguments.map:
                 run_worlds(run, arguments.world or WORLDS, arguments.frames)
             if not arguments.world:
-                run_mapping(replace(run, overrides=arguments.set), arguments.route, arguments.slam, arguments.film)
+                run_mapping(run, arguments.route, arguments.slam)
     except ConfigRefused:
         parser.exit(USAGE_ERROR)  # the service has said why
     except (ConfigError, BusError) as error:

@@ -1,105 +1,80 @@
-"""A film of the drive, as an animated GIF: what the camera sees, what the scan tells, and the map that comes of it."""
+"""A film of the mapping drive, as an animated GIF: python -m experiments.film FILE. For the README; run by hand.
+
+Each picture shows what the camera sees, what the fused scan tells, and the maps of the three scans as they grow.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import argparse
+import io
+import tempfile
+from collections.abc import Sequence
 from pathlib import Path
-from typing import NamedTuple
 
-from PIL import Image, ImageDraw, ImageFont
+from PIL import Image
+from rich.console import Console
 
 from cliffscan.common.contract.map_messages import OccupancyGrid
-from experiments import colours
-from experiments.cloud import Bands
-from experiments.film_panels import Picture, camera_picture, map_picture, scan_picture
+from cliffscan.common.runtime.service import StopSignal
+from cliffscan.simulator.truth import Outline
+from evaluation.pictures.cloud import cloud, kinds
+from evaluation.pictures.maps import map_panel
+from evaluation.pictures.panels import Scene, kind_panel, scan_panel
+from evaluation.pictures.plan import Extent, seen_from
+from evaluation.pictures.sheet import sheet
 from experiments.frames import Frame
-from experiments.map_pictures import OCCUPIED, UNKNOWN, WRONGLY_FREE
-from experiments.map_truth import Ground
-from experiments.truth_feed import Truth
+from experiments.mapping import NAMES, ROUND, Drive, drive_round
+from experiments.run import Run, telling
 
-SCAN = "scan/fused"
-SCALES = {"fused": 60, "paper": 29, "positive": 29}  # [px/m] of the maps
+SIZE = (1080, 700)  # [px]
 COLOURS = 64
-PACE = 100  # [ms] a picture is shown
-LAST = 3000  # [ms] the last one
-GAP, LINE = 8, 20  # [px]
-FONT = ImageFont.load_default(size=13)
-LEGENDS = (
-    {
-        "floor": colours.GREEN,
-        "below": colours.BLUE,
-        "in the way": colours.RED,
-        "above": colours.YELLOW,
-        "nothing": colours.BLACK,
-    },
-    {"free": colours.FREE, "obstacle": colours.RED, "drop": colours.BLUE, "floor lost": colours.PURPLE},
-    {
-        "free": "#FFFFFF",
-        "occupied": OCCUPIED,
-        "unknown": UNKNOWN,
-        "free beyond an edge": WRONGLY_FREE,
-        "true edge": colours.BLUE,
-        "way": colours.GREEN,
-    },
-)
+PACE, LAST = 100, 3000  # [ms] that a picture is shown, and the last one
+EXTENT = Extent(3.9, 2.75)  # [m] of the scan's picture
 
 
-class Scenery(NamedTuple):
-    """What stays the same throughout a film, and the maps as they grow, by name."""
-
-    ground: Ground
-    bands: Bands
-    maps: Mapping[str, Sequence[OccupancyGrid]]
-
-
-def write_film(path: Path, frames: Sequence[Frame], truth: Mapping[int, Truth], scenery: Scenery) -> Path:
-    """Draw a picture of each frame whose truth, by stamp [ns], is known; returns the path."""
-    pictures = []
-    for frame in frames:
-        way = [truth[stamp] for stamp in sorted(truth) if stamp <= frame.image.stamp]
-        if frame.image.stamp in truth and len(way) > 1:
-            pictures.append(page(frame, way, scenery))
-    palette = pictures[-1].quantize(colors=COLOURS, dither=Image.Dither.NONE)  # the last one shows the most
-    flat = [picture.quantize(palette=palette, dither=Image.Dither.NONE) for picture in pictures]
-    times = [PACE] * (len(flat) - 1) + [LAST]
-    flat[0].save(path, save_all=True, append_images=flat[1:], duration=times, loop=0, optimize=True)
-    return path
-
-
-def page(frame: Frame, truth: Sequence[Truth], scenery: Scenery) -> Picture:
-    """All that there is to see at one moment; truth: from the start up to it."""
-    camera = camera_picture(frame.image, scenery.bands)
-    scan = scan_picture(frame.scans[SCAN], scenery.ground, truth[-1].viewpoint)
-    way = [each.pose for each in truth]
-    large, *small = (
-        map_picture(newest(scenery.maps[name], frame.image.stamp), scenery.ground, way, scale)
-        for name, scale in SCALES.items()
-    )
-    right, below = camera.width + 2 * GAP, camera.height + 2 * LINE + 2 * GAP
-    bottom = large.height + 2 * LINE + 2 * GAP
-    picture = Image.new("RGB", (right + large.width + GAP, bottom + LINE + small[0].height + GAP), "white")
-    seconds = truth[-1].time - truth[0].time
-    put(picture, camera, (GAP, GAP), "What the Kinect sees", LEGENDS[0])
-    put(picture, scan, (GAP, below), "The fused scan, over the true outline", LEGENDS[1])
-    put(picture, large, (right, GAP), f"The map of the fused scan, {seconds:.0f} s", LEGENDS[2])
-    put(picture, small[0], (right, bottom), "of the paper's combined scan", {})
-    put(picture, small[1], (right + large.width - small[1].width, bottom), "of the positive scan", {})
-    return picture
+def picture(run: Run, drive: Drive, frame: Frame) -> Image.Image:
+    """All that there is to see at the moment of a frame."""
+    stamp = frame.image.stamp
+    way = [truth.pose for at, truth in drive.truth.items() if at <= stamp]
+    viewpoint = drive.truth[stamp].viewpoint
+    outlines = [Outline(seen_from(viewpoint, each.polygon), each.kind) for each in drive.ground.outlines]
+    scene = Scene(EXTENT, frame.scans["fused"], outlines)
+    panels = [
+        kind_panel(kinds(cloud(frame.image), run.bands()), "What the Kinect sees"),
+        scan_panel(scene, frame.scans["fused"], "The fused scan, over the true outline"),
+        *(
+            map_panel(newest(grids, stamp), drive.ground, drive.in_view, way, f"Map: {NAMES[name]}")
+            for name, grids in reversed(drive.survey.maps.items())
+        ),
+    ]
+    seconds = drive.truth[stamp].time - next(iter(drive.truth.values())).time
+    written = io.BytesIO()
+    sheet(f"A drive past descending stairs, {seconds:.0f} s", panels, 3).savefig(written)
+    return Image.open(written).convert("RGB").resize(SIZE, Image.Resampling.LANCZOS)
 
 
 def newest(maps: Sequence[OccupancyGrid], stamp: int) -> OccupancyGrid:
-    """The last map that was said before a time [ns], or the first one."""
+    """The last map that was published before a time [ns], or the first one."""
     return max((grid for grid in maps if grid.stamp <= stamp), key=lambda grid: grid.stamp, default=maps[0])
 
 
-def put(picture: Picture, part: Picture, corner: tuple[int, int], title: str, legend: Mapping[str, str]) -> None:
-    """Place a part with its title above and its legend below."""
-    draw = ImageDraw.Draw(picture)
-    x, y = corner
-    draw.text((x, y), title, fill="black", font=FONT)
-    picture.paste(part, (x, y + LINE))
-    y += LINE + part.height + 4
-    for name, colour in legend.items():
-        draw.rectangle((x, y + 3, x + 9, y + 12), fill=colour, outline="#606060")
-        draw.text((x + 13, y), name, fill="black", font=FONT)
-        x += 13 + round(draw.textlength(name, font=FONT)) + 8
+def main() -> None:
+    """Drive, and write the film."""
+    parser = argparse.ArgumentParser(prog="python -m experiments.film", description=__doc__)
+    parser.add_argument("file", type=Path, help="the GIF to write")
+    file = parser.parse_args().file
+    with tempfile.TemporaryDirectory() as out:
+        run = Run(Console(), StopSignal(), Path(out), [])
+        run.log_file.touch()
+        with telling(run) as (progress, log):
+            drive = drive_round(run, "odometry_map", ROUND, log, progress)
+            frames = [frame for frame in drive.survey.frames if frame.image.stamp in drive.truth][1:]
+            pictures = [picture(run, drive, frame) for frame in progress.track(frames, description="drawing")]
+    colours = pictures[-1].quantize(COLOURS, dither=Image.Dither.NONE)  # the last one shows the most
+    flat = [each.quantize(palette=colours, dither=Image.Dither.NONE) for each in pictures]
+    times = [PACE] * (len(flat) - 1) + [LAST]
+    flat[0].save(file, save_all=True, append_images=flat[1:], duration=times, loop=0, optimize=True)
+
+
+if __name__ == "__main__":
+    main()

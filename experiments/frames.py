@@ -1,45 +1,54 @@
-"""What was said of one frame, put together by its number and stamp."""
+"""What was published of one frame, put together by its number and stamp."""
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Mapping
 from typing import NamedTuple
 
 from cliffscan.common.contract.messages import DepthImage, LaserScan
-from cliffscan.common.contract.topics import DEPTH, SCAN_FUSED, SCAN_NEGATIVE, SCAN_OF_METHOD, SCAN_POSITIVE
+from cliffscan.common.perception.combine import combine
 
 ROOM = 64  # frames that may wait for their last message
+PAPER = "paper"  # the scan that combines PAPER_METHODS. Paper: algorithm 3
+PAPER_METHODS = ("farthest_point", "virtual_floor")
+ORDER = (*PAPER_METHODS, PAPER, "near_edge", "negative", "positive", "fused")  # in which scans are shown
 
 
 class Frame(NamedTuple):
-    """A depth image and every scan that was made of it, by the path of its key, in the order of Gathering's paths."""
+    """A depth image and the scans that were made of it, by name."""
 
     image: DepthImage
     scans: dict[str, LaserScan]
+
+    def with_paper(self) -> Frame:
+        """The same with the combination of the paper's methods among the scans, all in ORDER."""
+        one, other = (self.scans[method] for method in PAPER_METHODS)
+        scans = {**self.scans, PAPER: one.model_copy(update=combine([one, other]).arrays())}
+        return Frame(self.image, {name: scans[name] for name in ORDER if name in scans})
 
 
 class Gathering:
     """Puts messages together into frames, whatever the order in which they come.
 
-    A frame is complete with its image and one scan on each of `paths`.
+    A frame is complete with its image and one scan on each path of `names`, which gives the scan's name.
     """
 
-    def __init__(self, paths: Collection[str]) -> None:
-        self._paths = list(paths)
+    def __init__(self, names: Mapping[str, str]) -> None:
+        self._names = names
         self._images: dict[tuple[int, int], DepthImage] = {}
         self._scans: dict[tuple[int, int], dict[str, LaserScan]] = {}
 
     def take(self, path: str, message: DepthImage | LaserScan) -> Frame | None:
-        """Take in what was said on `path`. The frame, where this completes one."""
+        """Take in what was published on `path`. The frame, where this completes one."""
         key = message.seq, message.stamp
         scans = self._scans.setdefault(key, {})
         if isinstance(message, DepthImage):
             self._images[key] = message
         else:
-            scans[path] = message
-        if key in self._images and scans.keys() >= set(self._paths):
+            scans[self._names[path]] = message
+        if key in self._images and len(scans) == len(self._names):
             del self._scans[key]
-            return Frame(self._images.pop(key), {path: scans[path] for path in self._paths})
+            return Frame(self._images.pop(key), {name: scans[name] for name in self._names.values()})
         self._drop_oldest()
         return None
 
@@ -48,19 +57,3 @@ class Gathering:
             oldest = next(iter(self._scans))
             del self._scans[oldest]
             self._images.pop(oldest, None)
-
-
-def scan_paths(methods: Collection[str]) -> list[str]:
-    """The paths of all scans of a frame, in the order in which they are shown; `methods` are those of negative."""
-    each = [SCAN_OF_METHOD.named(method).path for method in methods]
-    return [*each, SCAN_NEGATIVE.path, SCAN_POSITIVE.path, SCAN_FUSED.path]
-
-
-def tells_edges(path: str) -> bool:
-    """Whether the scan on this path is to report where the floor ends."""
-    return path != SCAN_POSITIVE.path and path != DEPTH.path
-
-
-def name_of(path: str) -> str:
-    """A short name: the method's, or `negative`, `positive`, `fused`."""
-    return path.rpartition("/")[2]

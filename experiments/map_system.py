@@ -25,8 +25,8 @@ from cliffscan.common.runtime.config import SENSING
 from cliffscan.common.runtime.service import StopSignal
 from cliffscan.supervisor import Supervisor
 from cliffscan.system import Plan, System
-from experiments.collect import free_port
-from experiments.truth_feed import TruthFeed
+from evaluation.processes.network import free_endpoint
+from evaluation.processes.truth_feed import TruthFeed
 
 Mapper = Literal["odometry_map", "yag"]
 
@@ -54,7 +54,7 @@ class MapSystem:
 
     def __init__(self, setting: Setting, stop: StopSignal) -> None:
         overrides = [f"capture.rate={RATE}", *setting.overrides]
-        name, end = f"demo-{os.getpid()}", f"tcp/127.0.0.1:{free_port()}"
+        name, end = f"demo-{os.getpid()}", free_endpoint()
         plan = Plan(name, [end], overrides=overrides, world=setting.world, simulation=["--slip-noise", str(SLIP)])
         self._system = System(plan, stop)
         self._setting = setting

@@ -6,7 +6,6 @@ import math
 import time
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import pairwise
-from pathlib import Path
 from typing import NamedTuple
 
 from rich.progress import Progress
@@ -16,19 +15,19 @@ from cliffscan.common.contract.map_messages import OccupancyGrid
 from cliffscan.common.contract.topics import VELOCITY
 from cliffscan.common.runtime.latest_queue import LatestQueue
 from cliffscan.services.capture.config import CaptureConfig
-from cliffscan.simulator.world import World
-from experiments.collect import TURN, Failed, Watch, tell
-from experiments.drive import Look, Step, To
-from experiments.film import Scenery, write_film
-from experiments.map_pictures import map_picture
-from experiments.map_score import MapScore, pose_errors, score
+from cliffscan.simulator.world import Pose, World
+from evaluation.map_score import DEFINITIONS, MapScore, pose_errors, score
+from evaluation.pictures.maps import map_panel
+from evaluation.pictures.sheet import write_sheet
+from evaluation.processes.service_log import ServiceLog
+from evaluation.processes.steering import Look, Step, To
+from evaluation.processes.truth_feed import Truth
+from evaluation.processes.watch import Failed, Watch
+from evaluation.tables import Table, percent
+from evaluation.truth.map_truth import Ground, seen
 from experiments.map_system import REACH, SCANS, Mapper, MapSystem, Setting
-from experiments.map_truth import Ground, seen
-from experiments.run import Run, telling
-from experiments.service_log import ServiceLog
+from experiments.run import Run, tell, telling
 from experiments.survey import Survey
-from experiments.tables import map_table
-from experiments.truth_feed import Truth
 
 WORLD = "landing"
 ROUND: Sequence[Step] = (
@@ -44,53 +43,85 @@ ROUND: Sequence[Step] = (
     To(0.0, 0.0),
 )
 ROOM = 1024  # samples that may wait to be read
+TURN = 0.1  # [s] the longest wait, so how often the processes are looked after
 # of the first second: kobuki is started before its port is there, and fuse is ready before it hears both its sides
 EXPECTED = ("kobuki: port_lost", "kobuki: baseline", "fuse: incomplete")
 VIEWS = 4  # of so many viewpoints one is asked what is in view
 
 
+HEADINGS = ("map of", "free beyond", "blocked", "edges", "rms", "final")
+NAMES = {"positive": "positive, fig. 24", "paper": "the paper's, fig. 25", "fused": "fused (ours)"}
+HEIGHT = 4.4  # [inch] of a map's panel
+
+
 class Drive(NamedTuple):
-    """What a drive brought."""
+    """What a drive brought, and what the world truly is."""
 
     survey: Survey
     truth: Mapping[int, Truth]  # by stamp [ns]
+    ground: Ground
+    in_view: Floats  # (n, 2) [m] points of the edges that should be on a map
+
+    @property
+    def way(self) -> list[Pose]:
+        """Where the robot was."""
+        return [truth.pose for truth in self.truth.values()]
 
     @property
     def maps(self) -> dict[str, OccupancyGrid]:
         """The last map of each scan, by name."""
         return {name: grids[-1] for name, grids in self.survey.maps.items()}
 
+    def scores(self) -> dict[str, MapScore]:
+        """The score of every map by name."""
+        true = {stamp: truth.pose for stamp, truth in self.truth.items()}
+        errors = {name: pose_errors(told, true) for name, told in self.survey.poses.items()}
+        return {name: score(grid, self.ground, self.in_view, errors[name]) for name, grid in self.maps.items()}
 
-def run_mapping(run: Run, steps: Sequence[Step], mapper: Mapper, film: Path | None) -> None:
-    """Drive, draw the maps, tell how good they are; and make a `film` of it where one is wanted."""
+
+def run_mapping(run: Run, steps: Sequence[Step], mapper: Mapper) -> None:
+    """Drive, draw the maps and tell how good they are. Raises Failed, ConfigRefused, SystemExit."""
     born = time.monotonic()
-    mount = run.config("capture", CaptureConfig)
-    setting = Setting(WORLD, mapper, run.out, run.overrides, mount.mounted_floor())
-    world = World(WORLD)
-    ground = Ground.of(world)
     with telling(run) as (progress, log):
-        drive = drive_round(run, setting, steps, log, progress)
+        drive = drive_round(run, mapper, steps, log, progress)
         task = progress.add_task(f"{WORLD}: scoring and drawing", total=None)
-        viewpoints = [truth.viewpoint for truth in drive.truth.values()][::VIEWS]
-        in_view = ground.edges[seen(world, ground.edges, viewpoints, mount.kinect(), REACH)]
-        way = [truth.pose for truth in drive.truth.values()]
-        maps, scores = drive.maps, score_all(drive, ground, in_view)
-        map_picture(run.out / "maps.png", maps, scores, ground, in_view, way)
-        if film:
-            write_film(film, drive.survey.frames, drive.truth, Scenery(ground, run.bands(), drive.survey.maps))
+        scores = drive.scores()
+        panels = [
+            map_panel(grid, drive.ground, drive.in_view, drive.way, title(name, scores[name]))
+            for name, grid in drive.maps.items()
+        ]
+        text = "One drive on the landing, mapped from three scans, over the true outline"
+        write_sheet(run.out / "maps.png", text, panels, len(panels), HEIGHT)
         progress.remove_task(task)
     run.tell(map_table(scores, about(drive)), "maps.md", born)
 
 
-def score_all(drive: Drive, ground: Ground, in_view: Floats) -> dict[str, MapScore]:
-    """The score of every map by name; in_view: points (n, 2) [m] of the edges that should be on it."""
-    true = {stamp: truth.pose for stamp, truth in drive.truth.items()}
-    poses = drive.survey.poses
-    return {name: score(grid, ground, in_view, pose_errors(poses[name], true)) for name, grid in drive.maps.items()}
+def title(name: str, score: MapScore) -> str:
+    """What a map is made of, and how good it is."""
+    return (
+        f"Map: {NAMES[name]}\n{score.free_beyond:.2f} m² free beyond an edge, "
+        f"{score.blocked:.2f} m² blocked wrongly,\n{percent(score.edges, 0)} of the edges seen are on the map"
+    )
 
 
-def drive_round(run: Run, setting: Setting, steps: Sequence[Step], log: ServiceLog, progress: Progress) -> Drive:
+def map_table(scores: Mapping[str, MapScore], drive: str) -> Table:
+    """How good each map is; `drive` tells in a few words what it was made of."""
+    rows = [
+        (
+            NAMES[name],
+            *(f"{area:.2f} m²" for area in each[:2]),
+            percent(each.edges),
+            *(f"{100 * error:.1f} cm" for error in each[3:]),
+        )
+        for name, each in scores.items()
+    ]
+    return Table(f"The same drive mapped from three scans: {drive}", HEADINGS, rows, 1, DEFINITIONS)
+
+
+def drive_round(run: Run, mapper: Mapper, steps: Sequence[Step], log: ServiceLog, progress: Progress) -> Drive:
     """Run the services, lead the robot along the steps, and end all. Raises Failed, ConfigRefused, SystemExit."""
+    mount = run.config("capture", CaptureConfig)
+    setting = Setting(WORLD, mapper, run.out, run.overrides, mount.mounted_floor())
     task = progress.add_task(setting.world, total=None)
     with MapSystem(setting, run.stop) as system:
         run.stop.patient = True
@@ -107,7 +138,10 @@ def drive_round(run: Run, setting: Setting, steps: Sequence[Step], log: ServiceL
     progress.update(task, description=setting.world)
     if any(each.fallen for each in truth.values()):
         raise Failed(f"the robot fell in {setting.world}")
-    return Drive(survey, truth)
+    world = World(WORLD)
+    ground = Ground.of(world)
+    viewpoints = [each.viewpoint for each in truth.values()][::VIEWS]
+    return Drive(survey, truth, ground, ground.edges[seen(world, ground.edges, viewpoints, mount.kinect(), REACH)])
 
 
 def lead(system: MapSystem, survey: Survey) -> Iterator[str]:

@@ -9,7 +9,7 @@ from cliffscan.common.contract.map_messages import OccupancyGrid, Pose2D
 from cliffscan.common.contract.messages import DepthImage, LaserScan
 from cliffscan.common.contract.topics import DEPTH, MAP, ODOMETRY, POSE
 from cliffscan.common.runtime.bus import Publisher
-from experiments.drive import Driver, Step
+from evaluation.processes.steering import Driver, Step
 from experiments.frames import Frame, Gathering
 
 COMMAND_PERIOD = 80_000_000  # [ns]
@@ -30,7 +30,7 @@ class Survey:
         self.poses: dict[str, dict[int, Triple]] = {name: {} for name in scans}  # by stamp [ns]
         self.frames: list[Frame] = []  # FRAME_PERIOD apart
         self._publisher = publisher
-        self._gathering = Gathering(list(scans.values()))
+        self._gathering = Gathering({path: name for name, path in scans.items()})
         self._scans = set(scans.values())
         self._commanded = self._ended = 0  # [ns]
 

@@ -10,11 +10,10 @@ from pathlib import Path
 from benchmarks.accuracy.cases import Case, some_cases
 from benchmarks.accuracy.frames import KNOWN, PLANES
 from benchmarks.accuracy.measure import measure
-from benchmarks.accuracy.progress import progress_line
-from benchmarks.accuracy.records import record, worst, write_csv
-from benchmarks.accuracy.report import report, unique
-from benchmarks.accuracy.rows import Row, Table
+from benchmarks.accuracy.report import report
+from benchmarks.accuracy.rows import Row, Table, worst, write_csv
 from benchmarks.accuracy.scans import BEST, known_scans
+from evaluation.tables import unique
 
 OUT = Path("out/accuracy")
 QUICK = 60  # scenes
@@ -51,14 +50,13 @@ def show(rows: Sequence[Row], scans: Sequence[str], out: Path) -> None:
     out.mkdir(parents=True, exist_ok=True)
     for number, row in enumerate(rows, start=1):
         name = f"{row.plane}-{number}-{row.case.name}.png".replace(", ", "-").replace(":", "-")
-        draw(row.case, row.plane, scans, out / name)
-        print(f"{out / name}")
+        print(draw(row.case, row.plane, scans, out / name))
 
 
 def replay(table: Table, scans: Sequence[str], out: Path) -> None:
     """Print all that was measured of one case, and write its picture in each plane mode."""
     for row in table.rows:
-        print(", ".join(f"{key} {value}" for key, value in record(row).items()))
+        print(", ".join(f"{key} {value}" for key, value in row.record().items()))
     show([row for row in table.rows if row.scan == scans[0]], scans, out)
 
 
@@ -68,7 +66,7 @@ def main() -> None:
     cases = [options.only] if options.only else some_cases(QUICK if options.quick else options.scenes, options.seed)
     modes = (KNOWN,) if options.quick else options.planes
     options.out.mkdir(parents=True, exist_ok=True)
-    table = measure(cases, options.methods, modes, options.jobs, progress_line())
+    table = measure(cases, options.methods, modes, options.jobs)
     if options.only:
         replay(table, options.methods, options.out)
         return

@@ -9,12 +9,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from benchmarks.accuracy import drops, safe
-from benchmarks.accuracy.drops import Span
-from benchmarks.accuracy.mounts import any_mount, floor_in_view
-from benchmarks.accuracy.scene import Scene
 from cliffscan.common.contract.camera import Camera
 from cliffscan.simulator.kinect import kinect_camera
+from evaluation.scenes import drops, safe
+from evaluation.scenes.drops import Span
+from evaluation.scenes.mounts import any_mount, floor_in_view
+from evaluation.scenes.scene import Scene
 
 Build = Callable[[np.random.Generator, Span], Scene]
 

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from benchmarks.accuracy.score import Tally, Verdict, percentile, ratio
+from evaluation.score import ON_DROP, Tally, Verdict, percentile, ratio
 
 DEFINITIONS = """\
 *Drop beams* are those whose edge is in the sensor's sight (the three rows of floor before it are in the image and in
@@ -37,8 +37,6 @@ Not counted, and how many they are, stands under each table:
   for the beams that see less than half a metre of the ramp before (hidden), and for those that see more, from which a
   method could foresee where the ramp will be lost (sinking).
 """
-
-ON_DROP = (Verdict.FOUND, Verdict.EARLY, Verdict.LATE, Verdict.MISSED)
 
 
 class Figures(NamedTuple):

@@ -10,14 +10,14 @@ from typing import NamedTuple
 import numpy as np
 
 from benchmarks.accuracy.cases import Case, camera_of, scene_of
-from benchmarks.accuracy.mounts import moved, pose
-from benchmarks.accuracy.polygons import contains
-from benchmarks.accuracy.scene import Scene
 from cliffscan.common.contract.camera import Camera, FloorPlane, scan_axes
 from cliffscan.services.capture.floor.tracker import FloorTracker
 from cliffscan.simulator.faces import Faces, pack
 from cliffscan.simulator.kinect import Image, KinectModel, Millimetres, measure, returns
 from cliffscan.simulator.rasteriser import depth_image
+from evaluation.scenes.mounts import moved, pose
+from evaluation.scenes.polygons import contains
+from evaluation.scenes.scene import Scene
 
 KNOWN, UNKNOWN, WOBBLING = "known", "unknown", "wobbling"
 PLANES = (KNOWN, UNKNOWN, WOBBLING)

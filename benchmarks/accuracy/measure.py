@@ -2,49 +2,32 @@
 
 from __future__ import annotations
 
-import multiprocessing
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from functools import partial
 
 from benchmarks.accuracy.cases import Case, scene_of
 from benchmarks.accuracy.frames import KNOWN, WOBBLING, Frame, frames_of
 from benchmarks.accuracy.rows import Census, Row, Table
 from benchmarks.accuracy.scans import ANGLES, beams_of, known_scans
-from benchmarks.accuracy.score import Tally
-from benchmarks.accuracy.truth import Truth, truth_of
+from evaluation.score import Tally
+from evaluation.truth.beam_truth import Truth
+from evaluation.truth.scene_truth import truth_of
+from evaluation.workers import counted, in_order
 
 KERB_REACH = 1.5  # [m]
 EVERY = 9  # of the cases, one in so many wobbles: a sequence takes as long as a dozen; no multiple of the kinds
 
 Work = tuple[Case, str]
-Progress = Callable[[int, int], None]
 
 
 def measure(
-    cases: Sequence[Case],
-    scans: Sequence[str] | None = None,
-    planes: Sequence[str] = (KNOWN,),
-    jobs: int = 1,
-    progress: Progress = lambda _done, _whole: None,
+    cases: Sequence[Case], scans: Sequence[str] | None = None, planes: Sequence[str] = (KNOWN,), jobs: int = 1
 ) -> Table:
-    """Score scans, by default all, on cases in plane modes. progress is told how much of the work is done."""
-    names = tuple(known_scans()) if scans is None else tuple(scans)
+    """Score scans, by default all, on cases in plane modes."""
+    job = partial(results, scans=tuple(known_scans()) if scans is None else tuple(scans))
     work = [(case, plane) for plane in planes for case in (cases[::EVERY] if plane == WOBBLING else cases)]
-    rows: list[Row] = []
-    for done, found in enumerate(in_order(partial(results, scans=names), work, jobs), start=1):
-        rows += found
-        progress(done, len(work))
-    return Table(tuple(rows))
-
-
-def in_order(job: Callable[[Work], list[Row]], work: Sequence[Work], jobs: int) -> Iterator[list[Row]]:
-    """What a job makes of each piece of work."""
-    if jobs == 1 or len(work) < 2 * jobs:
-        yield from map(job, work)
-        return
-    job(work[0])  # compiles the kernels once, before the processes part
-    with multiprocessing.get_context("spawn").Pool(jobs) as pool:
-        yield from pool.imap(job, work, chunksize=2)
+    found = in_order(job, work, jobs, warm_up=lambda: job(work[0]))
+    return Table(tuple(row for rows in counted(found, len(work)) for row in rows))
 
 
 def results(work: Work, scans: Sequence[str]) -> list[Row]:

@@ -1,15 +1,19 @@
-"""The rows of results, and the figures over any of them."""
+"""The rows of results, one for every case, plane mode and scan, and the figures over any of them."""
 
 from __future__ import annotations
 
+import csv
 from collections.abc import Sequence
+from pathlib import Path
 from typing import NamedTuple
 
-from benchmarks.accuracy.cases import Case
+import numpy as np
+
+from benchmarks.accuracy.cases import GLOSSY, Case
 from benchmarks.accuracy.figures import Figures
 from benchmarks.accuracy.frames import KNOWN
-from benchmarks.accuracy.score import Tally
-from benchmarks.accuracy.truth import Truth
+from evaluation.score import WRONG, Tally, Verdict, percentile
+from evaluation.truth.beam_truth import Truth
 
 KERB = "kerb_5cm"
 
@@ -50,6 +54,25 @@ class Row(NamedTuple):
     kerb: Tally  # the same where only kerbs of 5 cm up to 1.5 m away are drop beams
     census: Census
 
+    @property
+    def wrong(self) -> float:
+        """The share of its beams that are wrong in any way."""
+        return self.tally.share((*WRONG, Verdict.LATE, Verdict.MISSED), tuple(Verdict))
+
+    def record(self) -> dict[str, str | float]:
+        """The columns of a file: beams of each verdict and sort, errors [m]."""
+        return {
+            "case": self.case.name,
+            "plane": self.plane,
+            "scan": self.scan,
+            "wrong": round(self.wrong, 5),
+            **{verdict.name.lower(): self.tally.count(verdict) for verdict in Verdict},
+            **self.census._asdict(),
+            "error_median": round(percentile(self.tally.errors, 50), 4),
+            "error_95": round(percentile(np.abs(self.tally.errors), 95), 4),
+            "allowed_95": round(percentile(np.abs(self.tally.relative), 95), 3),
+        }
+
 
 class Table(NamedTuple):
     """All rows."""
@@ -68,3 +91,17 @@ class Table(NamedTuple):
             [row.tally for row in rows if row.case.safe],
             [row.kerb for row in rows if row.case.kind == KERB],
         )
+
+
+def worst(rows: Sequence[Row], scan: str, plane: str, most: int) -> list[Row]:
+    """The cases in which a scan is wrong most, the worst first, in one plane mode; glossy floors are not among them."""
+    asked = [row for row in rows if (row.scan, row.plane) == (scan, plane) and row.case.kind != GLOSSY]
+    return sorted((row for row in asked if row.wrong > 0.0), key=lambda row: row.wrong, reverse=True)[:most]
+
+
+def write_csv(rows: Sequence[Row], path: Path) -> None:
+    """Write all rows, so that the worst can be found and replayed."""
+    with path.open("w", newline="") as file:
+        writer = csv.DictWriter(file, list(rows[0].record()))
+        writer.writeheader()
+        writer.writerows(row.record() for row in rows)

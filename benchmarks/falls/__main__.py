@@ -10,14 +10,12 @@ from pathlib import Path
 from typing import get_args
 
 from benchmarks.falls.cases import Case, all_cases, length
-from benchmarks.falls.measure import measure
 from benchmarks.falls.outcome import Outcome
 from benchmarks.falls.perception import Mode
 from benchmarks.falls.process_trial import OVERRIDES, through_processes
-from benchmarks.falls.progress import ProgressLine
-from benchmarks.falls.records import event_record, run_record, write
-from benchmarks.falls.report import report
-from benchmarks.falls.trial import Trial
+from benchmarks.falls.report import event_record, report, run_record, write
+from benchmarks.falls.trial import Trial, measure
+from evaluation.workers import counted
 
 OUT = Path("out/falls")
 SPEEDS = (0.2, 0.35, 0.5)  # [m/s]
@@ -93,10 +91,14 @@ def replay(case: Case, metres: float, out: Path) -> None:
 
 def noted(runs: Iterator[Outcome], count: int, metres: float, out: Path) -> list[Outcome]:
     """What comes of all runs; the progress is shown, and after each run the files tell of it."""
-    progress, outcomes = ProgressLine(count), list[Outcome]()
-    for outcome in runs:
+    outcomes: list[Outcome] = []
+
+    def so_far() -> str:
+        minutes, falls = sum(o.seconds for o in outcomes) / 60, sum(o.count("fall") for o in outcomes)
+        return f"{minutes:.0f} min simulated, {falls} falls, "
+
+    for outcome in counted(runs, count, so_far):
         outcomes.append(outcome)
-        progress.done(outcome)
         write(outcomes, out)
         (out / "falls.md").write_text(report(outcomes, metres))
     return outcomes

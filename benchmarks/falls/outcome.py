@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Literal, NamedTuple
 
 from benchmarks.falls.cases import Case
+from cliffscan.common.contract.base_messages import Rule
 
 Kind = Literal["fall", "cliff", "bump", "stranded"]
 
@@ -26,7 +27,7 @@ class Point(NamedTuple):
     x: float  # [m]
     y: float
     yaw: float  # [rad]
-    rule: str
+    rule: Rule
     idle: bool  # held without cause
 
 

@@ -1,4 +1,4 @@
-"""From a depth frame to the fused scan, as capture, negative, positive and fuse do it, without processes between."""
+"""From a depth frame to the fused scan, as capture and perception make it, without processes between."""
 
 from __future__ import annotations
 

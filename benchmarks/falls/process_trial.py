@@ -8,7 +8,6 @@ from contextlib import suppress
 from pathlib import Path
 from random import Random
 
-from benchmarks.driven import DrivenRobot, Interrupted
 from benchmarks.falls.cases import Case
 from benchmarks.falls.driver import Driver
 from benchmarks.falls.log import Log
@@ -23,8 +22,9 @@ from cliffscan.common.runtime.service import StopSignal
 from cliffscan.safety.inputs import REST, Twist
 from cliffscan.safety.rules import Decision
 from cliffscan.simulator.world import Pose, World
-from experiments.service_log import ServiceLog
-from experiments.truth_feed import TruthFeed
+from evaluation.processes.driven import DrivenRobot, Interrupted
+from evaluation.processes.service_log import ServiceLog
+from evaluation.processes.truth_feed import TruthFeed
 
 OVERRIDES = {"default": (), "paper": ("profile=paper",)}  # by mode; positive alone is nothing that `fuse` says
 
@@ -93,7 +93,7 @@ class ProcessTrial:
 
 
 def through_processes(cases: Sequence[Case], metres: float, out: Path) -> Iterator[Outcome]:
-    """What comes of each run, until told to end; metres as for measure.measure, out: folder for what the services log.
+    """What comes of each run, until told to end; metres as for trial.measure, out: folder for what the services log.
 
     Raises KeyError for a mode that the processes do not have, TimeoutError where they do not start.
     """

@@ -1,15 +1,21 @@
-"""The table, as Markdown."""
+"""The table, and files of the runs and of what happened in them, each with the name by which --only replays it."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+import csv
+import json
+from collections.abc import Sequence
+from pathlib import Path
+from typing import get_args
 
 import numpy as np
 
-from benchmarks.falls.outcome import Outcome
+from benchmarks.falls.outcome import Event, Kind, Outcome
+from evaluation.tables import Table, percent, unique
 
 HEADINGS = ("mode", "speed [m/s]", "worlds", "minutes", "falls", "falls / 1000 min", "cliff sensor", "bumps",
             "stranded", "visited", "median", "worst", "held", "without cause", "faster than real time")  # fmt: skip
+KINDS: tuple[Kind, ...] = get_args(Kind)
 NOTES = """\
 falls: the robot tilted by more than 20 degrees or sank by 4 cm. cliff sensor: how often one fired, so that the base
 backed off by itself. bumps: how often something began to push the hull. stranded: a robot that stood in one place for a
@@ -32,20 +38,19 @@ def report(outcomes: Sequence[Outcome], metres: float) -> str:
         speeds = sorted({outcome.case.speed for outcome in of_mode})
         lines += [line(mode, f"{speed:g}", [each for each in of_mode if each.case.speed == speed]) for speed in speeds]
         lines.append(line(mode, "all", of_mode))
-    note = f"A run lasts as long as {metres:.0f} m take at its speed."
-    return "\n\n".join(["# Never fall", markdown(HEADINGS, lines), note, NOTES])
+    note = f"A run lasts as long as {metres:.0f} m take at its speed.\n\n{NOTES}"
+    return Table("Never fall", HEADINGS, lines, note=note).markdown()
 
 
 def line(mode: str, speed: str, outcomes: Sequence[Outcome]) -> tuple[str, ...]:
     """The figures of some runs."""
     seconds = sum(outcome.seconds for outcome in outcomes)
-    falls, cliffs, bumps, stranded = (
-        sum(outcome.count(kind) for outcome in outcomes) for kind in ("fall", "cliff", "bump", "stranded")
-    )
+    counts = {kind: sum(outcome.count(kind) for outcome in outcomes) for kind in KINDS}
     shares = [outcome.visited for outcome in outcomes]
     return (
         *(mode, speed, str(len(outcomes)), f"{seconds / 60:.1f}"),
-        *(str(falls), f"{falls / seconds * 60_000:.1f}", str(cliffs), str(bumps), str(stranded)),
+        *(str(counts["fall"]), f"{counts['fall'] / seconds * 60_000:.1f}"),
+        *(str(counts[kind]) for kind in KINDS[1:]),
         *(percent(sum(o.visited * o.area for o in outcomes) / sum(o.area for o in outcomes), 0),),
         *(percent(float(np.median(shares)), 0), percent(min(shares), 0)),
         *(percent(sum(o.held for o in outcomes) / seconds), percent(sum(o.idle for o in outcomes) / seconds)),
@@ -53,17 +58,32 @@ def line(mode: str, speed: str, outcomes: Sequence[Outcome]) -> tuple[str, ...]:
     )
 
 
-def percent(share: float, digits: int = 1) -> str:
-    """A share as text."""
-    return f"{100 * share:.{digits}f} %"
+def run_record(outcome: Outcome) -> dict[str, str | float]:
+    """A run as columns of a file: times [s] and counts."""
+    return {
+        "case": outcome.case.name,
+        "world": outcome.case.world,
+        "seconds": round(outcome.seconds, 2),
+        "wall": round(outcome.wall, 2),
+        "area": round(outcome.area, 2),
+        "visited": round(outcome.visited, 4),
+        "held": round(outcome.held, 2),
+        "without_cause": round(outcome.idle, 2),
+        **{kind: outcome.count(kind) for kind in KINDS},
+    }
 
 
-def markdown(headings: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
-    """A table; the first column holds names."""
-    rule = ["---", *("---:" for _ in headings[1:])]
-    return "\n".join(f"| {' | '.join(row)} |" for row in (headings, rule, *rows))
+def event_record(outcome: Outcome, event: Event) -> dict[str, str | float]:
+    """An event: time [s], true pose [m, rad]."""
+    values = {key: value if isinstance(value, str) else round(value, 3) for key, value in event._asdict().items()}
+    return {"case": outcome.case.name, "world": outcome.case.world, "mode": outcome.case.mode, **values}
 
 
-def unique(items: Iterable[str]) -> list[str]:
-    """The items in order, each once."""
-    return list(dict.fromkeys(items))
+def write(outcomes: Sequence[Outcome], folder: Path) -> None:
+    """Write runs.csv and events.json."""
+    with (folder / "runs.csv").open("w", newline="") as file:
+        writer = csv.DictWriter(file, list(run_record(outcomes[0])))
+        writer.writeheader()
+        writer.writerows(map(run_record, outcomes))
+    events = [event_record(outcome, event) for outcome in outcomes for event in outcome.events]
+    (folder / "events.json").write_text("[\n" + ",\n".join(map(json.dumps, events)) + "\n]\n")

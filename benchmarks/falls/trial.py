@@ -5,6 +5,8 @@ from __future__ import annotations
 import logging
 import time
 from collections import deque
+from collections.abc import Iterator, Sequence
+from functools import partial
 from random import Random
 
 from benchmarks.falls.cases import Case
@@ -21,6 +23,7 @@ from cliffscan.services.kobuki.protocol.sensors import Core
 from cliffscan.simulator.kobuki.drive import WheelModel
 from cliffscan.simulator.robot import RobotSimulation
 from cliffscan.simulator.world import Pose
+from evaluation.workers import in_order
 
 SECOND = 1_000_000_000  # [ns]
 TICK = 0.01  # [s]
@@ -28,6 +31,7 @@ FRAME_PERIOD = (0.07, 0.10)  # [s] between two frames: 10 to 14 Hz
 AGE = (0.05, 0.10)  # [s] from a frame to its scan at the gate
 COMMAND_PERIOD = 0.05  # [s]
 ENCODER_NOISE = 0.003  # [√m] 3 mm after 1 m, on top of how the wheels slip
+RENEW = 50  # runs after which a process is replaced
 
 log = logging.getLogger(__name__)
 
@@ -86,3 +90,13 @@ class Trial:
     def _look(self) -> Look:
         robot, core = self.robot, self._core
         return Look(robot.time, robot.pose, robot.fallen, robot.base.bumps, bool(core and core.cliff))
+
+
+def outcome_of(case: Case, metres: float) -> Outcome:
+    """What comes of a run that lasts as long as a robot that is never held takes for that way [m]."""
+    return Trial(case).run(metres / case.speed)
+
+
+def measure(cases: Sequence[Case], metres: float, jobs: int) -> Iterator[Outcome]:
+    """What comes of each run, in their order, the same however many processes share the work; metres as above."""
+    return in_order(partial(outcome_of, metres=metres), cases, jobs, lambda: outcome_of(cases[0], 1.0), RENEW)

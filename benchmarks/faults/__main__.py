@@ -8,13 +8,13 @@ import random
 from contextlib import suppress
 from pathlib import Path
 
-from benchmarks.driven import Interrupted
 from benchmarks.faults.faults import known_faults
 from benchmarks.faults.report import table
 from benchmarks.faults.rig import Rig
 from benchmarks.faults.trial import Outcome, run_trial
 from cliffscan.common.runtime.service import StopSignal
-from experiments.service_log import ServiceLog
+from evaluation.processes.driven import Interrupted
+from evaluation.processes.service_log import ServiceLog
 
 OUT = Path("out/faults.md")
 
@@ -59,8 +59,8 @@ def main() -> None:
         outcomes = trials(asked.trials, names, random.Random(asked.seed), StopSignal())
     if not outcomes:
         raise SystemExit("ended before the first trial was")
-    found = table(outcomes)
-    asked.out.write_text(f"# Faults while driving\n\n{found}\n", encoding="utf-8")
+    found = table(outcomes).markdown()
+    asked.out.write_text(f"{found}\n", encoding="utf-8")
     print(found)
 
 

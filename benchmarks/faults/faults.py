@@ -82,21 +82,31 @@ def intrude(kind: str, rig: Rig) -> None:
     rig.intrude(kind)
 
 
+def released(rig: Rig) -> None:
+    """Let it begin."""
+    rig.intrusion.release()
+
+
+def ended(rig: Rig) -> None:
+    """Get rid of it."""
+    rig.intrusion.end()
+
+
 def blind(rig: Rig) -> None:
     """The camera is gone, and only somebody else publishes scans."""
-    rig.release()
+    released(rig)
     rig.relay.mode = "dropped"
 
 
 def sighted(rig: Rig) -> None:
     """The camera is back, and nobody else publishes scans."""
-    rig.expel()
+    ended(rig)
     rig.relay.mode = "pass"
 
 
 def flood(rig: Rig) -> None:
     """Commands and requests without end; when they have come, an operator asks for a stop."""
-    rig.release()
+    released(rig)
     end = rig.look().time + FLOODED
     while rig.step().time < end:
         pass
@@ -105,7 +115,7 @@ def flood(rig: Rig) -> None:
 
 def ebb(rig: Rig) -> None:
     """A flood ends, and somebody clears the stop."""
-    rig.expel()
+    ended(rig)
     rig.ask("clear_safety")
 
 
@@ -131,7 +141,7 @@ def known_faults() -> dict[str, Fault]:
         "odometry at half": Fault(partial(encoders, 0.5), partial(encoders, 1.0), lasts=CREEPING),
         "slow port": Fault(partial(line, f"slow {SLOW}"), partial(line, "slow 0")),
         "commands in bursts": Fault(partial(late, True), partial(late, False)),
-        "two drivers": Fault(Rig.release, Rig.expel, partial(intrude, "drive")),
+        "two drivers": Fault(released, ended, partial(intrude, "drive")),
         "flooded bus, then stop": Fault(flood, ebb, partial(intrude, "flood")),
         "scans from the future": Fault(blind, sighted, partial(intrude, "future")),
         "scans of two beams": Fault(blind, sighted, partial(intrude, "two_beams")),

@@ -9,11 +9,14 @@ from __future__ import annotations
 import argparse
 import itertools
 import math
+import subprocess
 import sys
 import time
 from collections.abc import Callable
+from contextlib import AbstractContextManager
 from functools import partial
 from threading import Thread
+from types import TracebackType
 
 import numpy as np
 import zenoh
@@ -31,11 +34,11 @@ SPEED = 0.5  # [m/s], straight on
 BUNCHES = 200  # a second, of which each has its part of a flood
 
 
-def free_scan(stamp: int, beams: int) -> LaserScan:
+def free_scan(stamp: int, beams: int, seq: int = 0) -> LaserScan:
     """A scan of a camera's view in which everything is free."""
     half = math.radians(29.0)
     return LaserScan(
-        seq=0,
+        seq=seq,
         stamp=stamp,
         frame="camera_footprint",
         angle_min=-half,
@@ -63,7 +66,9 @@ def at_rate(rate: float, act: Callable[[], object]) -> None:
 class Intruder:
     """What it can do, each for ever."""
 
-    def __init__(self, robot: str, endpoint: str) -> None:
+    def __init__(self, robot: str, endpoint: str, commands: float, requests: float) -> None:
+        """commands, requests: [Hz] of a flood."""
+        self._commands, self._requests = commands, requests
         config = zenoh.Config()
         config.insert_json5("mode", '"client"')
         config.insert_json5("connect/endpoints", f'["{endpoint}"]')
@@ -84,9 +89,9 @@ class Intruder:
     def flood(self) -> None:
         """Commands and requests, as many as it can send; they are less important than the driver's."""
         put = partial(self._put, VELOCITY.path)
-        Thread(target=at_rate, args=(COMMANDS, lambda: put(self._velocity(priority=-1))), daemon=True).start()
+        Thread(target=at_rate, args=(self._commands, lambda: put(self._velocity(priority=-1))), daemon=True).start()
         key = f"{self._robot}/{command('version')}"
-        at_rate(REQUESTS, lambda: self._session.get(key, lambda _: None))
+        at_rate(self._requests, lambda: self._session.get(key, lambda _: None))
 
     def _velocity(self, priority: int = 0) -> bytes:
         return Velocity(stamp=time.time_ns(), linear=SPEED, angular=0.0, source="intruder", priority=priority).encode()
@@ -98,14 +103,46 @@ class Intruder:
 KINDS = {"future": Intruder.future, "two_beams": Intruder.two_beams, "drive": Intruder.drive, "flood": Intruder.flood}
 
 
+class Intrusion(AbstractContextManager["Intrusion"]):
+    """An intruder in a process of its own, which waits for release() and is ended with the context."""
+
+    def __init__(
+        self, kind: str, robot: str, endpoint: str, commands: float = COMMANDS, requests: float = REQUESTS
+    ) -> None:
+        """Raises RuntimeError where it does not start."""
+        where = ["--robot", robot, "--connect", endpoint, "--commands", str(commands), "--requests", str(requests)]
+        command = [sys.executable, "-m", "benchmarks.faults.intruder", kind, *where]
+        self._process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE)
+        if not (self._process.stdout and self._process.stdout.readline()):
+            raise RuntimeError(f"the intruder {kind} did not start")
+
+    def release(self) -> None:
+        """Let it begin."""
+        if self._process.stdin:
+            self._process.stdin.write(b"\n")
+            self._process.stdin.flush()
+
+    def end(self) -> None:
+        """End it, once or again."""
+        self._process.kill()
+        self._process.wait()
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.end()
+
+
 def main() -> None:
     """Intrude until ended."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks.faults.intruder", description=__doc__)
     parser.add_argument("kind", choices=KINDS)
     parser.add_argument("--robot", required=True)
     parser.add_argument("--connect", required=True)
+    parser.add_argument("--commands", type=float, default=COMMANDS, help="[Hz] of a flood")
+    parser.add_argument("--requests", type=float, default=REQUESTS, help="[Hz] of a flood")
     asked = parser.parse_args()
-    intruder = Intruder(asked.robot, asked.connect)
+    intruder = Intruder(asked.robot, asked.connect, asked.commands, asked.requests)
     print("ready", flush=True)
     sys.stdin.readline()
     KINDS[asked.kind](intruder)

@@ -7,27 +7,17 @@ from collections.abc import Sequence
 from statistics import median
 
 from benchmarks.faults.trial import Outcome
+from evaluation.tables import Table, unique
 
-HEADINGS = (
-    "fault",
-    "trials",
-    "at rest after [s], median",
-    "max",
-    "way [m], max",
-    "left to the edge [m], min",
-    "fell",
-    "went on",
-    "after [s], median",
-)
+HEADINGS = ("fault", "trials", "at rest after [s], median", "max", "way [m], max", "left to the edge [m], min", "fell",
+            "went on", "after [s], median")  # fmt: skip
 
 
-def table(outcomes: Sequence[Outcome]) -> str:
-    """A row for each fault, and one for all, in Markdown."""
-    names = list(dict.fromkeys(outcome.fault for outcome in outcomes))
-    rows = [row(name, [outcome for outcome in outcomes if outcome.fault == name]) for name in sorted(names)]
-    rule = ["---", *("---:" for _ in HEADINGS[1:])]
-    cells = [HEADINGS, rule, *rows, row("all", outcomes)]
-    return "\n".join(f"| {' | '.join(line)} |" for line in cells)
+def table(outcomes: Sequence[Outcome]) -> Table:
+    """A row for each fault, and one for all."""
+    names = sorted(unique(outcome.fault for outcome in outcomes))
+    rows = [row(name, [outcome for outcome in outcomes if outcome.fault == name]) for name in names]
+    return Table("Faults while driving", HEADINGS, [*rows, row("all", outcomes)])
 
 
 def row(name: str, outcomes: Sequence[Outcome]) -> list[str]:

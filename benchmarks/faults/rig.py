@@ -5,8 +5,6 @@ from __future__ import annotations
 import os
 import random
 import signal
-import subprocess
-import sys
 import time
 from contextlib import ExitStack
 from pathlib import Path
@@ -14,13 +12,14 @@ from tempfile import TemporaryDirectory
 from types import TracebackType
 from typing import NamedTuple, Self
 
-from benchmarks.driven import SOURCE, DrivenRobot
 from benchmarks.faults.frame_relay import FrameRelay
+from benchmarks.faults.intruder import Intrusion
 from benchmarks.faults.shuttle import START, WORLD, Shuttle
 from cliffscan.common.contract.base_messages import Velocity
 from cliffscan.common.runtime.service import StopSignal
 from cliffscan.simulator.kobuki.client import Remote
 from cliffscan.simulator.world import Pose
+from evaluation.processes.driven import SOURCE, DrivenRobot
 
 TURNING, ONCE = 0.6, 13.0  # [rad/s], [s]
 OUTAGE = 1.5  # [s] after which held commands arrive in a burst
@@ -43,7 +42,6 @@ class Rig:
         self.quiet = False  # the driver says nothing
         self.late = False  # what the driver says comes in bursts
         self._held: list[Velocity] = []  # commands that wait for the next burst
-        self._intruder: subprocess.Popen[bytes] | None = None
         self._turning = False
         self._stop = stop
         self._shuttle = Shuttle(rng)
@@ -57,7 +55,6 @@ class Rig:
             self._robot.wait(frames.is_socket, "the simulation")
             self.relay = FrameRelay(str(frames), str(self._robot.folder / "frames"))
             entered.callback(self.relay.close)
-            entered.callback(self.expel)
             self._robot.ready()
             self._exit = entered.pop_all()
         return self
@@ -102,26 +99,9 @@ class Rig:
         self._held.clear()
 
     def intrude(self, kind: str) -> None:
-        """Let a program of somebody else's onto the network; it waits for release()."""
+        """Let a program of somebody else's onto the network; it waits for `intrusion.release()`."""
         plan = self._robot.system.plan
-        words = [kind, "--robot", plan.robot, "--connect", plan.endpoint]
-        command = [sys.executable, "-m", "benchmarks.faults.intruder", *words]
-        self._intruder = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE)
-        if not (self._intruder.stdout and self._intruder.stdout.readline()):
-            raise RuntimeError(f"the intruder {kind} did not start")
-
-    def release(self) -> None:
-        """Let it begin."""
-        if self._intruder and self._intruder.stdin:
-            self._intruder.stdin.write(b"\n")
-            self._intruder.stdin.flush()
-
-    def expel(self) -> None:
-        """End it."""
-        if self._intruder:
-            self._intruder.kill()
-            self._intruder.wait()
-            self._intruder = None
+        self.intrusion = self._exit.enter_context(Intrusion(kind, plan.robot, plan.endpoint))
 
     def ask(self, name: str) -> None:
         """Ask the base's service for something, as an operator would."""

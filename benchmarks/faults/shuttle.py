@@ -5,7 +5,7 @@ from __future__ import annotations
 import random
 
 from cliffscan.simulator.world import Pose
-from experiments.drive import LINEAR, Command, To
+from evaluation.processes.steering import LINEAR, Command, To
 
 WORLD = "landing"
 START = Pose(0.0, 0.2, 0.0)

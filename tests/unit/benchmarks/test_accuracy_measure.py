@@ -6,15 +6,15 @@ import pytest
 from benchmarks.accuracy.cases import BUILD, Case, camera_of, some_cases
 from benchmarks.accuracy.frames import KNOWN, PLANES, SETTLING, UNKNOWN, WOBBLE_FRAMES, WOBBLING, frames_of
 from benchmarks.accuracy.measure import EVERY, measure
-from benchmarks.accuracy.records import record, worst, write_csv
 from benchmarks.accuracy.report import report
+from benchmarks.accuracy.rows import worst, write_csv
 
 SCAN = "virtual_floor"
 CASES = some_cases(4, seed=3)
 
 
 def figures(table):
-    return [record(row) for row in table.rows]
+    return [row.record() for row in table.rows]
 
 
 @pytest.fixture(scope="module")
@@ -40,12 +40,6 @@ def test_report_and_records_name_every_case_and_scan(table, tmp_path):
     lines = (tmp_path / "cases.csv").read_text().splitlines()
     assert len(lines) == 1 + 2 * len(CASES)
     assert all(row.plane == KNOWN for row in worst(table.rows, "paper", KNOWN, 3))
-
-
-def test_progress_reaches_its_end():
-    told = []
-    measure(CASES[:2], [SCAN], progress=lambda done, whole: told.append((done, whole)))
-    assert told == [(1, 2), (2, 2)]
 
 
 def test_all_kinds_are_among_the_cases():

@@ -9,12 +9,10 @@ import pytest
 from benchmarks.falls.cases import Case, all_cases, length
 from benchmarks.falls.driver import BACK, BACKWARD, STUCK, Driver
 from benchmarks.falls.floor import NEAR, Floor, arc
-from benchmarks.falls.measure import outcome_of
 from benchmarks.falls.memory import Memory
-from benchmarks.falls.records import write
-from benchmarks.falls.report import report
+from benchmarks.falls.report import report, write
 from benchmarks.falls.sight import ENOUGH, MOST
-from benchmarks.falls.trial import Trial
+from benchmarks.falls.trial import Trial, outcome_of
 from cliffscan.common.contract.description import TURTLEBOT_2
 from cliffscan.common.contract.messages import LaserScan
 from cliffscan.safety.inputs import REST

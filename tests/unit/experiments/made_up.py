@@ -11,11 +11,11 @@ from cliffscan.common.perception.scans import ScanConfig, laser_scan
 from cliffscan.services.negative.farthest_point import farthest_point
 from cliffscan.services.negative.virtual_floor import virtual_floor
 from cliffscan.services.positive.projection import projection
-from experiments.frames import Frame, scan_paths
+from experiments.frames import Frame
 from tests import scenes
 
-METHODS = ("farthest_point", "virtual_floor")
-PATHS = scan_paths(METHODS)
+NAMES = ("farthest_point", "virtual_floor", "paper", "positive", "fused")
+PATHS = {f"scan/{name}": name for name in NAMES}
 BAND, ROBOT, FLAT = 0.03, 0.42, 0.0
 
 
@@ -34,7 +34,7 @@ def frame(name="hole and box", seq=0, stamp=1):
     ]
     positive = beams_with(projection(seen, grid, BAND, ROBOT, FLAT), Evidence.POSITIVE)
     beams = [*negative, combine(negative), positive, combine([positive, combine(negative)])]
-    return Frame(depth, {path: laser_scan(depth, each, config) for path, each in zip(PATHS, beams, strict=True)})
+    return Frame(depth, {name: laser_scan(depth, each, config) for name, each in zip(NAMES, beams, strict=True)})
 
 
 def blank_frame():
@@ -43,4 +43,4 @@ def blank_frame():
     dark = DepthImage.pack(0, 1, "optical", np.zeros_like(depth.depth), depth.camera, RAW)
     config = ScanConfig(beams=80)
     unseen = beams_with(np.full(80, np.nan, np.float32), Evidence.NOTHING)
-    return Frame(dark, {path: laser_scan(dark, unseen, config) for path in PATHS})
+    return Frame(dark, {name: laser_scan(dark, unseen, config) for name in NAMES})

@@ -2,13 +2,15 @@
 
 import itertools
 
-from experiments.frames import ROOM, Gathering, name_of, scan_paths, tells_edges
+import numpy as np
+
+from experiments.frames import ORDER, ROOM, Gathering
 from tests.unit.experiments.made_up import PATHS, frame, image
 
 
 def messages(seq=0, stamp=1):
     depth, scans = frame(seq=seq, stamp=stamp)
-    return [("camera/depth", depth), *scans.items()]
+    return [("camera/depth", depth), *((path, scans[name]) for path, name in PATHS.items())]
 
 
 def test_a_frame_is_complete_with_its_last_message_whichever_that_is():
@@ -18,7 +20,7 @@ def test_a_frame_is_complete_with_its_last_message_whichever_that_is():
         *early, last = [gathering.take(*each) for each in order]
         assert early == [None] * len(PATHS)
         assert last.image is said[0][1]
-        assert list(last.scans) == PATHS
+        assert list(last.scans) == list(PATHS.values())
 
 
 def test_messages_of_different_frames_are_not_mixed():
@@ -40,7 +42,12 @@ def test_frames_that_are_never_completed_give_way():
     assert gathering.take(*said[-1]) is None
 
 
-def test_paths_and_names():
-    paths = scan_paths(["a", "b"])
-    assert paths == ["scan/negative/a", "scan/negative/b", "scan/negative", "scan/positive", "scan/fused"]
-    assert [name_of(path) for path in paths if tells_edges(path)] == ["a", "b", "negative", "fused"]
+def test_the_papers_scan_is_the_nearer_of_its_two_methods():
+    made = frame()
+    del made.scans["paper"]
+    scans = made.with_paper().scans
+    assert list(scans) == [name for name in ORDER if name in scans]
+    one, other = (scans[name].ranges for name in ("farthest_point", "virtual_floor"))
+    told = np.isfinite(scans["paper"].ranges)
+    assert told.any()
+    assert np.array_equal(scans["paper"].ranges[told], np.fmin(one, other)[told])

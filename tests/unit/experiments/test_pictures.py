@@ -5,10 +5,10 @@ import pytest
 from PIL import Image
 
 from cliffscan.simulator.world import World
-from experiments.cloud import Bands, cloud
+from evaluation.pictures.cloud import Bands, cloud
+from evaluation.pictures.plan import LEAST, extent_of
+from evaluation.pictures.sheet import DPI, WIDTH
 from experiments.pictures import FIGURES, recorded_picture, world_pictures
-from experiments.plan_view import LEAST, extent_of
-from experiments.sheet import DPI, WIDTH
 from tests.unit.experiments.made_up import blank_frame, frame
 
 

@@ -4,11 +4,11 @@ import pytest
 
 from cliffscan.common.contract.base_messages import Odometry
 from cliffscan.common.contract.map_messages import OccupancyGrid, Pose2D
-from experiments.drive import Look
+from evaluation.processes.steering import Look
 from experiments.survey import FRAME_PERIOD, Survey
 from tests.unit.experiments.made_up import frame
 
-SCANS = {"ours": "scan/fused", "theirs": "scan/positive"}
+SCANS = {"fused": "scan/fused", "positive": "scan/positive"}
 SECOND = 1_000_000_000
 
 
@@ -44,7 +44,7 @@ def survey():
 
 
 def test_it_hears_all_that_it_needs(survey):
-    maps = {"map/ours", "map/theirs", "pose/ours", "pose/theirs"}
+    maps = {"map/fused", "map/positive", "pose/fused", "pose/positive"}
     assert set(survey.paths) == {"base/odom", "camera/depth", "scan/fused", "scan/positive", *maps}
 
 
@@ -58,7 +58,7 @@ def test_it_commands_now_and_then_once_it_may(survey):
 
 
 def test_it_is_done_when_the_steps_are_and_every_map_is_newer(survey):
-    survey.hear("map/ours", grid(SECOND), go=True)
+    survey.hear("map/fused", grid(SECOND), go=True)
     survey.hear("base/odom", odometry(1.57, 2 * SECOND), go=True)
     assert survey.done == 1
     for name in SCANS:
@@ -70,11 +70,11 @@ def test_it_is_done_when_the_steps_are_and_every_map_is_newer(survey):
 
 
 def test_poses_are_kept_by_stamp_and_frames_some_time_apart(survey):
-    survey.hear("pose/ours", Pose2D(stamp=5, frame="map", pose=(1.0, 2.0, 3.0)).encode(), go=True)
-    assert survey.poses == {"ours": {5: (1.0, 2.0, 3.0)}, "theirs": {}}
+    survey.hear("pose/fused", Pose2D(stamp=5, frame="map", pose=(1.0, 2.0, 3.0)).encode(), go=True)
+    assert survey.poses == {"fused": {5: (1.0, 2.0, 3.0)}, "positive": {}}
     for number in range(5):
         made = frame(seq=number, stamp=1 + number * FRAME_PERIOD // 2)
         survey.hear("camera/depth", made.image.encode(), go=True)
-        for path in SCANS.values():
-            survey.hear(path, made.scans[path].encode(), go=True)
+        for name, path in SCANS.items():
+            survey.hear(path, made.scans[name].encode(), go=True)
     assert [kept.image.seq for kept in survey.frames] == [0, 2, 4]

@@ -4,8 +4,7 @@ import math
 
 from rich.console import Console
 
-from experiments.score import DEFINITIONS, Census, Score
-from experiments.tables import census_table, edge_table
+from experiments.edges import DEFINITIONS, Census, Score, census_table, edge_table
 
 NAN = math.nan
 

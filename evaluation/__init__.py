@@ -1,0 +1,1 @@
+"""What benchmarks and the demo share: scenes and worlds with their truth, scores, tables and pictures."""

@@ -1,0 +1,1 @@
+"""The pictures, each panel a function of axes."""

@@ -1,0 +1,1 @@
+"""Services, simulations and drivers that are started for a measurement."""

@@ -1,0 +1,95 @@
+"""A simulated robot and the real processes around it, for who drives and watches it from outside."""
+
+from __future__ import annotations
+
+import json
+import os
+import time
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from types import TracebackType
+from typing import Any, Self
+
+from cliffscan.common.contract.base_messages import Velocity
+from cliffscan.common.contract.topics import VELOCITY, command
+from cliffscan.common.runtime.config import SERVICES
+from cliffscan.common.runtime.service import StopSignal
+from cliffscan.simulator.kobuki.client import Remote
+from cliffscan.system import Plan, System
+from evaluation.processes.network import free_endpoint
+
+STEP = 0.02  # [s] between two looks at the processes
+STARTING = 60.0  # [s]
+SOURCE = "benchmark"
+RATE = 10.0  # [Hz] of the frames: two cores keep up
+
+
+class Interrupted(Exception):
+    """The benchmark was told to end."""
+
+
+class DrivenRobot:
+    """A context manager: entering starts the processes, `ready` waits for them, leaving ends them.
+
+    name: what its robot and it are called; simulation: options of `python -m simulator`; overrides: SERVICE.KEY=VALUE.
+    """
+
+    def __init__(
+        self, name: str, world: str, stop: StopSignal, simulation: Sequence[str] = (), overrides: Sequence[str] = ()
+    ) -> None:
+        rate = f"capture.rate={RATE}"
+        plan = Plan(
+            f"{name}-{os.getpid()}", [free_endpoint()], overrides=[rate, *overrides], world=world, simulation=simulation
+        )
+        self.system = System(plan, stop)
+        self._stop = stop
+
+    def __enter__(self) -> Self:
+        self.system.__enter__()
+        self.remote = Remote(self.folder / "control")
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.system.__exit__(kind, error, trace)
+
+    @property
+    def folder(self) -> Path:
+        """Where the processes' sockets are."""
+        return Path(self.system.plan.folder)
+
+    def ready(self) -> None:
+        """Wait until all of it works, and can be driven. Raises TimeoutError, Interrupted."""
+        self.wait((self.folder / "control").is_socket, "the simulation")
+        self.wait(lambda: self.system.alive.issuperset(SERVICES), "the services")
+        self.velocity = self.system.bus.publisher(VELOCITY)
+
+    def wait(self, holds: Callable[[], bool], what: str) -> None:
+        """Wait until that holds. Raises TimeoutError, Interrupted."""
+        deadline = time.monotonic() + STARTING
+        while not holds():
+            self.pause()
+            if time.monotonic() > deadline:
+                raise TimeoutError(f"{what} did not start within {STARTING:.0f} s")
+
+    def pause(self, seconds: float = STEP) -> None:
+        """Let some time pass on the clock, and look after the processes. Raises Interrupted."""
+        self.system.poll()
+        if self._stop.wait(seconds):
+            raise Interrupted
+
+    def drive(self, linear: float, angular: float) -> None:
+        """Ask for a velocity [m/s, rad/s]."""
+        self.velocity.put(Velocity(stamp=time.time_ns(), linear=linear, angular=angular, source=SOURCE))
+
+    def ask(self, name: str) -> None:
+        """Have the base do something, as `clear_safety`. Raises RuntimeError where it does not."""
+        answer = self.system.bus.ask(command(name), {}, STARTING)
+        if not answer or answer.get("ok") is not True:
+            raise RuntimeError(f"{name}: {answer}")
+
+    def truth(self) -> dict[str, Any]:
+        """The simulation's time [s] and what no sensor tells, as simulator/live.py has it."""
+        told: dict[str, Any] = json.loads(self.remote.tell("truth"))
+        return told

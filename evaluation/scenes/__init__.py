@@ -1,0 +1,1 @@
+"""Random scenes of exact geometry, and the cameras that see them."""

@@ -1,0 +1,1 @@
+"""What is truly there, beam by beam and on a map."""

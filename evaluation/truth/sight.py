@@ -1,0 +1,81 @@
+"""What a Kinect can see of the floor: within its image and range, not too grazing, not hidden and not in shadow."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from cliffscan.common.contract.camera import Camera
+from cliffscan.simulator.kinect import KinectModel
+from evaluation.scenes.mounts import pose
+from evaluation.scenes.polygons import Floats, crossing
+from evaluation.scenes.scene import Scene
+from evaluation.truth.beam_truth import Mask
+
+SENSOR = KinectModel()
+GRAZING = 1.05 * SENSOR.grazing  # sine of the least angle; the sensor's own estimate of it errs by a few per cent
+SLACK = 1e-6  # [px] so that the outermost beams, which graze the image's border, are within it
+STEP = 1e-3  # [m] over which the spacing of rows is taken
+ROWS_BEFORE = 3  # rows of floor that must be seen before an edge
+
+
+def floor_points(angles: Floats, distance: Floats) -> Floats:
+    """The points of the floor at a distance [m] along each beam: (n, 3); far away for inf."""
+    near = np.minimum(distance, 1e3)
+    return np.column_stack([near * np.cos(angles), near * np.sin(angles), np.zeros(len(angles))])
+
+
+def pixels(camera: Camera, points: Floats) -> tuple[Floats, Floats, Floats]:
+    """Column, row [px] and depth [m] of points (n, 3) of the scan frame: three of (n,); NaN behind the camera."""
+    position, rotation = pose(camera)
+    x, y, z = ((points - position) @ rotation).T
+    fx, fy, cx, cy = camera.intrinsics
+    z = np.where(z > 0.0, z, math.nan)
+    return cx + fx * x / z, cy + fy * y / z, z
+
+
+def measurable(camera: Camera, angles: Floats, distances: Floats) -> Mask:
+    """Whether floor at these azimuths [rad] and distances [m] is within the camera's image and range: (n,)."""
+    column, row, depth = pixels(camera, floor_points(angles, distances))
+    near, far = camera.range
+    within = (np.abs(column - (camera.width - 1) / 2) <= camera.width / 2 + SLACK) & (depth >= near) & (depth <= far)
+    seen: Mask = within & (np.abs(row - (camera.height - 1) / 2) <= camera.height / 2)
+    return seen
+
+
+def row_spacing(camera: Camera, angles: Floats, distance: Floats) -> Floats:
+    """How much farther ahead the next row's floor lies [m]: (n,); for a level camera z² / (f h)."""
+    finite = np.where(np.isfinite(distance), distance, 1.0)
+    points = floor_points(angles, finite)
+    _, here, _ = pixels(camera, points)
+    _, there, _ = pixels(camera, points + np.array([STEP, 0.0, 0.0]))
+    return np.where(np.isfinite(distance), np.nan_to_num(STEP / np.maximum(here - there, 1e-9), nan=1e3), 0.0)
+
+
+def in_view(camera: Camera, angles: Floats, edge: Floats, beyond: float) -> Mask:
+    """Whether the sensor measures floor right up to an edge, and sees what is `beyond` [m] it: (n,)."""
+    points = floor_points(angles, edge)
+    column, row, depth = pixels(camera, points)
+    _, top, _ = pixels(camera, floor_points(angles, edge + beyond))
+    sine = camera.floor.d / np.hypot(np.hypot(points[:, 0], points[:, 1]), camera.floor.d)
+    in_image = (np.abs(column - (camera.width - 1) / 2) <= camera.width / 2) & (top >= 0.0)
+    in_image &= row <= camera.height - 1 - ROWS_BEFORE
+    near, far = camera.range
+    seen: Mask = in_image & (depth >= near + 0.01) & (depth <= far) & (sine >= GRAZING)
+    return seen
+
+
+def unobstructed(scene: Scene, camera: Camera, angles: Floats, edge: Floats) -> Mask:
+    """Whether both the camera and the projector see the floor at the edge: (n,)."""
+    position, rotation = pose(camera)
+    projector = position + rotation[:, 0] * SENSOR.baseline
+    targets = floor_points(angles, edge)
+    clear = np.ones(len(angles), dtype=bool)
+    for eye in (position, projector):
+        for piece in scene.obstacles:
+            enter, leave = crossing(piece.outline, eye[:2], targets[:, :2] - eye[:2])
+            enter, leave = np.clip(enter, 0.0, 1.0), np.clip(leave, 0.0, 1.0 - 1e-6)
+            within = (eye[2] * (1.0 - enter) >= piece.bottom) & (eye[2] * (1.0 - leave) <= piece.top)
+            clear &= ~((enter < leave) & within)
+    return clear

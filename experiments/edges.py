@@ -1,0 +1,94 @@
+"""How well scans find where the floor ends, and what they report where nobody knows the truth: figures and tables."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from cliffscan.common.contract.beam_fields import Ranges
+from cliffscan.common.contract.messages import LaserScan
+from evaluation.score import ON_DROP, WRONG, Tally, Verdict, percentile
+from evaluation.tables import Table, number, percent
+from evaluation.truth.beam_truth import Truth
+from evaluation.truth.world_truth import TOLERANCE
+
+DEFINITIONS = f"""\
+A beam has an edge where the floor truly ends by a drop, with no obstacle before
+it, and the sensor could measure a point there: within its image and its range.
+
+- *error*: reported less true distance, over the beams with an edge that report
+  a number; positive is too far. Its median and its 95th percentile [m].
+- *missed*: of the beams with an edge, those that report no number.
+- *late*: of the beams with an edge, those whose number is more than
+  {100 * TOLERANCE:.0f} cm too far.
+- *false*: of all beams, those whose number is more than {100 * TOLERANCE:.0f} cm nearer than what
+  truly comes first: an edge, within the sensor's reach or not, or an obstacle
+  at the heights of the robot's body. Where there is neither, every number is
+  false: a method that reports how far it saw floor is charged for it.
+
+`paper` combines farthest_point and virtual_floor (algorithm 3).
+"""
+EDGE_HEADINGS = ("world", "scan", "median [m]", "95 % [m]", "missed", "late", "false")
+CENSUS_HEADINGS = ("scan", "number", "free (inf)", "not seen (NaN)", "median [m]")
+CENSUS_NOTE = """\
+Shares of all beams: those with a number, those that looked and found nothing,
+those that did not see. The median is that of the numbers.
+"""
+
+
+class Score(NamedTuple):
+    """The measures of DEFINITIONS; NaN where there is no beam to take them over."""
+
+    median: float  # [m]
+    percentile95: float  # [m]
+    missed: float  # share of the beams with an edge
+    late: float  # share of the beams with an edge
+    false: float  # share of all beams
+
+
+def score(scans: Sequence[LaserScan], truth: Truth) -> Score:
+    """The score of scans of one view, by DEFINITIONS."""
+    tally = Tally.total([Tally.of(scan, truth) for scan in scans])
+    return Score(
+        median=percentile(tally.errors, 50),
+        percentile95=percentile(tally.errors, 95),
+        missed=tally.share((Verdict.MISSED,), ON_DROP),
+        late=tally.share((Verdict.LATE,), ON_DROP),
+        false=tally.share(WRONG, tuple(Verdict)),
+    )
+
+
+class Census(NamedTuple):
+    """What scans report, where the truth is not known."""
+
+    number: float  # share of all beams
+    free: float  # share of all beams: +inf
+    unseen: float  # share of all beams: NaN
+    median: float  # [m] of the numbers; NaN where there are none
+
+
+def census(ranges: Ranges) -> Census:
+    """What scans (frames, beams) [m] report."""
+    numbers = np.isfinite(ranges)
+    free, unseen = (float(chosen.mean()) for chosen in (np.isposinf(ranges), np.isnan(ranges)))
+    return Census(float(numbers.mean()), free, unseen, percentile(ranges[numbers], 50))
+
+
+def edge_table(scores: Mapping[str, Mapping[str, Score]], frames: int, methods: Sequence[str]) -> Table:
+    """How well each scan finds the edge of the hole, by world and scan; methods: those that `negative` combined."""
+    rows = [
+        (world, scan, number(each.median, "+.3f"), number(each.percentile95, "+.3f"), *map(percent, each[2:]))
+        for world, by_scan in scores.items()
+        for scan, each in by_scan.items()
+    ]
+    title = f"Where the floor ends, against the truth: {frames} frames of each world"
+    combined = f"`fused` combines positive with {', '.join(methods)}.\n"
+    return Table(title, EDGE_HEADINGS, rows, 2, f"{combined}\n{DEFINITIONS}")
+
+
+def census_table(title: str, counts: Mapping[str, Census]) -> Table:
+    """What each scan reports."""
+    rows = [(scan, *map(percent, each[:3]), number(each.median, ".3f")) for scan, each in counts.items()]
+    return Table(title, CENSUS_HEADINGS, rows, 1, CENSUS_NOTE)
