@@ -25,7 +25,7 @@ from evaluation.processes.truth_feed import Truth
 from evaluation.processes.watch import Failed, Watch
 from evaluation.tables import Table, percent
 from evaluation.truth.map_truth import Ground, seen
-from experiments.map_system import REACH, SCANS, Mapper, MapSystem, Setting
+from experiments.map_system import REACH, SCANS, Mapper, MapSystem, Setting, map_system
 from experiments.run import Run, tell, telling
 from experiments.survey import Survey
 
@@ -123,7 +123,7 @@ def drive_round(run: Run, mapper: Mapper, steps: Sequence[Step], log: ServiceLog
     mount = run.config("capture", CaptureConfig)
     setting = Setting(WORLD, mapper, run.out, run.overrides, mount.mounted_floor())
     task = progress.add_task(setting.world, total=None)
-    with MapSystem(setting, run.stop) as system:
+    with map_system(setting, run.stop) as system:
         run.stop.patient = True
         survey = Survey(steps, SCANS, system.bus.publisher(VELOCITY))
         for state in lead(system, survey):

@@ -21,7 +21,7 @@ from cliffscan.common.runtime.latest_queue import LatestQueue
 from cliffscan.common.runtime.service import StopSignal
 from cliffscan.safety.gate import REST, Decision, Twist
 from cliffscan.simulator.world import Pose, World
-from evaluation.processes.driven import DrivenRobot, Interrupted
+from evaluation.processes.driven import DrivenRobot, Interrupted, driven_robot
 from evaluation.processes.service_log import ServiceLog
 from evaluation.processes.truth_feed import TruthFeed
 
@@ -43,7 +43,7 @@ class ProcessTrial:
         self._cliff = False  # since the last look
         self._scans: LatestQueue[LaserScan] = LatestQueue()
         wheels = ["--slip-noise", str(ENCODER_NOISE)]
-        self._robot = DrivenRobot("falls", case.world, stop, wheels, OVERRIDES[case.mode])
+        self._robot = driven_robot("falls", case.world, stop, wheels, OVERRIDES[case.mode])
 
     def run(self, seconds: float) -> Outcome:
         """Start the processes, let that much time [s] of the simulation pass, end them.
