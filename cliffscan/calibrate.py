@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from cliffscan.common.contract.camera import FloorPlane
 from cliffscan.common.contract.message import Message, MessageError
 from cliffscan.common.contract.messages import DepthImage, ServiceStatus
-from cliffscan.common.contract.topics import DEPTH, status
+from cliffscan.common.contract.topics import DEPTH, STATUS
 from cliffscan.common.runtime.bus import Bus
 from cliffscan.common.runtime.latest_queue import LatestQueue
 from cliffscan.common.runtime.service import PATIENCE, StopSignal
@@ -76,7 +76,7 @@ def frames(bus: Bus, seconds: float, stop: StopSignal) -> Iterator[DepthImage]:
     queue: LatestQueue[bytes] = LatestQueue()
     words: LatestQueue[bytes] = LatestQueue()
     bus.subscribe(DEPTH.path, lambda _key, payload: queue.put(payload))
-    bus.subscribe(status("capture").path, lambda _key, payload: words.put(payload))
+    bus.subscribe(STATUS.named("capture").path, lambda _key, payload: words.put(payload))
     heard = False
     deadline = time.monotonic() + FIRST
     while time.monotonic() < deadline and not stop.is_set():

@@ -14,7 +14,7 @@ from rich.text import Text
 from cliffscan.clocks import Clocks
 from cliffscan.common.contract.message import MessageError
 from cliffscan.common.contract.messages import ServiceStatus
-from cliffscan.common.contract.topics import status as status_topic
+from cliffscan.common.contract.topics import STATUS
 from cliffscan.common.runtime.bus import Bus
 from cliffscan.common.runtime.service import StopSignal
 from cliffscan.health import Health, Heard, examine, missing
@@ -39,7 +39,7 @@ class Board:
         self._lock = threading.Lock()
         self._last: dict[str, Heard] = {}
         self._clocks = Clocks()
-        bus.subscribe(status_topic("*").path, self._heard)
+        bus.subscribe(STATUS.named("*").path, self._heard)
 
     def _heard(self, path: str, payload: bytes) -> None:
         arrival, now = time.time_ns(), time.monotonic()

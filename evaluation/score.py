@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from cliffscan.common.perception.combine import Beams
+from cliffscan.common.contract.beam_fields import Beams
 from evaluation.truth.beam_truth import Truth
 
 Ranges = NDArray[np.floating[Any]]

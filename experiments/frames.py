@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import NamedTuple
 
 from cliffscan.common.contract.messages import DepthImage, LaserScan
-from cliffscan.common.perception.combine import Beams, combine
+from cliffscan.common.perception.combine import combine
 
 ROOM = 64  # frames that may wait for their last message
 PAPER = "paper"  # the scan that combines PAPER_METHODS. Paper: algorithm 3
@@ -22,10 +22,8 @@ class Frame(NamedTuple):
 
     def with_paper(self) -> Frame:
         """The same with the combination of the paper's methods among the scans, all in ORDER."""
-        one, other = (self.scans[method] for method in PAPER_METHODS)
-        beams = combine([Beams(scan.ranges, scan.intensities, scan.clear) for scan in (one, other)])
-        update = {"ranges": beams.ranges, "intensities": beams.evidence, "clear": beams.clear}
-        scans = {**self.scans, PAPER: one.model_copy(update=update)}
+        of_paper = [self.scans[method] for method in PAPER_METHODS]
+        scans = {**self.scans, PAPER: of_paper[0].model_copy(update=combine(of_paper).arrays())}
         return Frame(self.image, {name: scans[name] for name in ORDER if name in scans})
 
 

@@ -10,7 +10,7 @@ from typing import get_args
 from rich.progress import Progress
 
 from cliffscan.common.contract.messages import DepthImage, LaserScan
-from cliffscan.common.contract.topics import DEPTH, SCAN_FUSED, SCAN_NEGATIVE, SCAN_POSITIVE, scan_negative
+from cliffscan.common.contract.topics import DEPTH, SCAN_FUSED, SCAN_NEGATIVE, SCAN_OF_METHOD, SCAN_POSITIVE
 from cliffscan.common.runtime.config import SENSING, ConfigError
 from cliffscan.common.runtime.latest_queue import LatestQueue
 from cliffscan.services.negative.config import Method, NegativeConfig
@@ -68,7 +68,7 @@ def run_worlds(run: Run, names: Sequence[str], frames: int) -> None:
 
 def scan_names(methods: Sequence[str]) -> dict[str, str]:
     """All scans of a frame, name by path; `negative` where it is more than the one of `methods` that it is made of."""
-    each = {scan_negative(method).path: method for method in get_args(Method)}
+    each = {SCAN_OF_METHOD.named(method).path: method for method in get_args(Method)}
     combined = {SCAN_NEGATIVE.path: "negative"} if len(methods) > 1 else {}
     return {**each, **combined, SCAN_POSITIVE.path: "positive", SCAN_FUSED.path: "fused"}
 

@@ -1,7 +1,7 @@
 """Whether what the camera sees comes nearer as fast as the odometry says that the robot drives.
 
-Wheels that slip all the time, or an encoder that counts half, tell less than the way. The scans hold the truth: two of
-them, some way apart by the odometry, are laid over one another as if the way had been longer or shorter. Where the
+Wheels that slip all the time, or an encoder that counts half, report less than the way. The scans hold the truth: two
+of them, some way apart by the odometry, are laid over one another as if the way had been longer or shorter. Where the
 scene as a whole fits a much longer one, the odometry is wrong.
 
 A person who walks by moves a part of the scene only. The median over all beams that show something decides, the beams
@@ -16,7 +16,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cliffscan.safety.local_grid import Floats, Pose
+from cliffscan.safety.pose2d import Floats, Pose2D
 
 APART = 0.07  # [m] by the odometry between the two scans
 LONGEST = 1.5  # [s] between them
@@ -35,12 +35,12 @@ class Glance(NamedTuple):
 
     ranges: Floats  # (beams,) [m], numbers only count
     angles: Floats  # (beams,) [rad]
-    camera: Pose
+    camera: Pose2D
     taken: float  # [s]
 
 
 class ApproachMonitor:
-    """Compares scans as they come, and tells when the robot drives farther than its odometry says."""
+    """Compares scans as they come, and reports when the robot drives farther than its odometry has it."""
 
     def __init__(self) -> None:
         self.begin()
@@ -103,7 +103,7 @@ def _misfit(points: Floats, before: Glance, now: Glance, factor: float) -> Float
     """By how much [m] the ranges differ if the way was `factor` times as long: (points,), NaN where nothing is seen."""
     x = before.camera.x + factor * (now.camera.x - before.camera.x)
     y = before.camera.y + factor * (now.camera.y - before.camera.y)
-    ahead, left = Pose(x, y, now.camera.theta).from_world(points)
+    ahead, left = Pose2D(x, y, now.camera.theta).from_world(points)
     increment = now.angles[1] - now.angles[0]
     beams = np.rint((np.arctan2(left, ahead) - now.angles[0]) / increment).astype(np.int64)
     inside = (beams >= 0) & (beams < len(now.angles))

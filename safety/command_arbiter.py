@@ -6,9 +6,10 @@ import math
 from typing import NamedTuple
 
 from cliffscan.common.contract.base_messages import Velocity
+from cliffscan.safety.inputs import NO_COMMAND, Command, Twist
 
-REMEMBERED = 1.0  # [s] for which a refusal is told
-TOLD = 32  # characters of a source's name
+REMEMBERED = 1.0  # [s] for which a refusal is reported
+LONGEST = 32  # characters of a source's name
 
 
 class Holder(NamedTuple):
@@ -29,6 +30,7 @@ class CommandArbiter:
     def __init__(self, timeout: float, tolerance: float) -> None:
         self._timeout, self._tolerance = timeout, tolerance
         self._holder: Holder | None = None
+        self.newest = NO_COMMAND  # what the source that drives asked for last
         self._refused, self._refused_at = "", -math.inf
 
     def offer(self, command: Velocity, stamp: int, now: float) -> str:
@@ -38,7 +40,12 @@ class CommandArbiter:
             self._refused, self._refused_at = refusal, now
         else:
             self._holder = Holder(command, now)
+            self.newest = Command(Twist(command.linear, command.angular), now)
         return refusal
+
+    def forget(self) -> None:
+        """What was asked for counts no longer; its source keeps the wheels."""
+        self.newest = NO_COMMAND
 
     def note(self, now: float) -> str:
         """The last refusal, while it is recent."""
@@ -62,5 +69,5 @@ class CommandArbiter:
 
 def _name(command: Velocity) -> str:
     """The command's source for people: it may be anybody's text."""
-    text = "".join(each for each in command.source[:TOLD] if each.isprintable())
+    text = "".join(each for each in command.source[:LONGEST] if each.isprintable())
     return f"a command of {text!r}" if text else "a command without a source"

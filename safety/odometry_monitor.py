@@ -1,4 +1,4 @@
-"""Whether the wheels do what they are told, and turn as the gyro does: an odometry that stands still is no news.
+"""Whether the wheels do what was commanded, and turn as the gyro does.
 
 While the base drives on, encoders that stand still keep the gate's map where it was, and the edge that it remembers
 never comes nearer. Such an odometry must not be driven by.
@@ -10,15 +10,13 @@ import math
 from collections import deque
 from typing import NamedTuple
 
-from cliffscan.services.kobuki.kinematics import WHEEL_SEPARATION
-
 DRIVEN = 0.5  # [s] for which a wheel must have been commanded to turn, always the same way
 SLOWEST = 0.03  # [m/s] of a wheel; what turns more slowly is not judged
 STANDS = 0.2  # of the least that was commanded; a wheel that turns more slowly stands
 WINDOW = 0.1  # [s] over which a wheel's speed is taken
-BRAKED = 1.5  # [s] in which a wheel has surely come to what it was told, from any speed
+BRAKED = 1.5  # [s] in which a wheel has surely come to what was commanded, from any speed
 REVERSED = BRAKED + DRIVEN  # [s] in which it has surely come to turn the other way
-TOO_FAST = 0.1  # [m/s] by which a wheel may turn faster than it was told
+TOO_FAST = 0.1  # [m/s] by which a wheel may turn faster than was commanded
 GAP = 0.15  # [s] between two commands; in a longer one the guard may have stopped the base
 TURN_WINDOW = 0.3  # [s] over which wheels and gyro are compared
 TURN_SLACK = 0.25  # [rad] by which they may differ then: wheels slip when they turn on the spot
@@ -36,13 +34,15 @@ class _Read(NamedTuple):
 
 
 class OdometryMonitor:
-    """Hears what is sent to the wheels and what the encoders and the gyro read; tells what does not fit."""
+    """Takes in what is sent to the wheels and what the encoders and the gyro read; reports what does not fit."""
 
-    def __init__(self) -> None:
+    def __init__(self, wheel_separation: float) -> None:
+        """`wheel_separation` [m] of a base with two driven wheels."""
+        self._wheel_separation = wheel_separation
         self.begin()
 
     def begin(self) -> None:
-        """The base was not heard or not driven for a while: judge nothing by what was before."""
+        """The base was silent or not driven for a while: judge nothing by what was before."""
         self._sent: deque[_Sent] = deque()  # changes only
         self._sent_since = self._sent_at = -math.inf  # [s] first and last of the commands without a gap
         self._read: deque[_Read] = deque()
@@ -53,7 +53,7 @@ class OdometryMonitor:
             self._sent.clear()
             self._sent_since = now
         self._sent_at = now
-        half = angular * WHEEL_SEPARATION / 2.0
+        half = angular * self._wheel_separation / 2.0
         speeds = (linear - half, linear + half)
         if not self._sent or self._sent[-1].speeds != speeds:
             self._sent.append(_Sent(now, speeds))
@@ -67,7 +67,7 @@ class OdometryMonitor:
             self._read.popleft()
 
     def stuck(self, now: float) -> str:
-        """Which wheel stands although it was told to turn, or nothing."""
+        """Which wheel stands although it was commanded to turn, or nothing."""
         if not self._driven(DRIVEN, now):
             return ""
         for wheel, (name, speed) in enumerate(self._wheel_speeds()):
@@ -80,7 +80,7 @@ class OdometryMonitor:
         return ""
 
     def runaway(self, now: float) -> str:
-        """Which wheel turns faster than it was told for long, as behind a line that is slow, or nothing."""
+        """Which wheel turns faster than was commanded for long, as behind a line that is slow, or nothing."""
         if not self._driven(BRAKED, now):
             return ""
         for wheel, (name, speed) in enumerate(self._wheel_speeds()):
@@ -90,13 +90,13 @@ class OdometryMonitor:
         return ""
 
     def contradicted(self) -> str:
-        """What the gyro says against the wheels, or nothing."""
+        """What the gyro reads against the wheels, or nothing."""
         before = self._since(TURN_WINDOW)
         last = self._read[-1] if self._read else None
         if before is None or last is None or before.gyro is None or last.gyro is None:
             return ""
         left, right = (now - then for now, then in zip(last.ways, before.ways, strict=True))
-        wheels, gyro = (right - left) / WHEEL_SEPARATION, last.gyro - before.gyro
+        wheels, gyro = (right - left) / self._wheel_separation, last.gyro - before.gyro
         if abs(wheels - gyro) < TURN_SLACK * max(1.0, (last.at - before.at) / TURN_WINDOW):
             return ""
         return f"by the wheels it turned {math.degrees(wheels):.0f} degrees, by the gyro {math.degrees(gyro):.0f}"
@@ -106,7 +106,7 @@ class OdometryMonitor:
         return now - self._sent_since >= seconds and now - self._sent_at <= GAP
 
     def _commanded(self, wheel: int, since: float) -> list[float]:
-        """The speeds [m/s] that a wheel was told since then [s], the one that held then included."""
+        """The speeds [m/s] that a wheel was commanded since then [s], the one that held then included."""
         later = [sent.speeds[wheel] for sent in self._sent if sent.at > since]
         before = [sent.speeds[wheel] for sent in self._sent if sent.at <= since]
         return before[-1:] + later

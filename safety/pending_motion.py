@@ -1,4 +1,4 @@
-"""What the base may still be doing of what it was told before."""
+"""What the base may still be doing of the velocities it was sent before."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ FAN = 3  # arcs that stand for all between the two outermost
 SHARP = 0.3  # [m] radius of a turn halfway, for the fan, between going straight and turning on the spot
 
 
-class Momentum:
+class PendingMotion:
     """What the base may still be doing: a command shows only after up to `delay` [s], and braking takes its time.
 
     Without this a robot could swerve at speed from an arc that was found free into something beside it, or be steered
@@ -59,6 +59,8 @@ class Momentum:
 
 
 class _Sent(NamedTuple):
+    """A velocity, and when it was sent."""
+
     at: float  # [s]
-    linear: float
-    angular: float
+    linear: float  # [m/s]
+    angular: float  # [rad/s]

@@ -6,7 +6,7 @@ import math
 from bisect import bisect_left
 from collections import deque
 
-from cliffscan.safety.local_grid import Pose
+from cliffscan.safety.pose2d import Pose2D
 
 ROOM = 128  # poses; 2.5 s at the base's rate
 AHEAD = 100_000_000  # [ns] after the last pose for which the robot is taken to be still there
@@ -17,9 +17,9 @@ class PoseHistory:
 
     def __init__(self) -> None:
         self._stamps: deque[int] = deque(maxlen=ROOM)
-        self._poses: deque[Pose] = deque(maxlen=ROOM)
+        self._poses: deque[Pose2D] = deque(maxlen=ROOM)
 
-    def add(self, stamp: int, pose: Pose) -> None:
+    def add(self, stamp: int, pose: Pose2D) -> None:
         """The robot is at `pose`; what is not newer than the last one begins a new history."""
         if self._stamps and stamp <= self._stamps[-1]:
             self._stamps.clear()
@@ -32,7 +32,7 @@ class PoseHistory:
         """Whether it reaches as far back as it ever does."""
         return len(self._stamps) == ROOM
 
-    def at(self, stamp: int) -> Pose | None:
+    def at(self, stamp: int) -> Pose2D | None:
         """The pose at `stamp`, between two known ones or the last; None before the first and long after the last."""
         if not self._stamps or not self._stamps[0] <= stamp <= self._stamps[-1] + AHEAD:
             return None
@@ -43,7 +43,7 @@ class PoseHistory:
             return self._poses[0]
         before, after = self._poses[place - 1], self._poses[place]
         share = (stamp - self._stamps[place - 1]) / (self._stamps[place] - self._stamps[place - 1])
-        return Pose(
+        return Pose2D(
             before.x + share * (after.x - before.x),
             before.y + share * (after.y - before.y),
             before.theta + share * math.remainder(after.theta - before.theta, math.tau),

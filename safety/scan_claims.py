@@ -6,39 +6,68 @@ import math
 from typing import NamedTuple, Self
 
 import numpy as np
+from numpy.typing import NDArray
 
-from cliffscan.common.contract.description import CameraDescription
+from cliffscan.common.contract.description import TURTLEBOT_2, CameraDescription
+from cliffscan.common.contract.evidence import EDGES
 from cliffscan.common.contract.messages import LaserScan
-from cliffscan.safety.local_grid import WIDEST, Floats
+from cliffscan.safety.local_grid import WIDEST
+from cliffscan.safety.pose2d import Floats, Pose2D
 
 AHEAD = 0.04  # [s], a frame's time, by which a stamp may be ahead of our clock
 WIDEST_BEAM = 0.12  # [rad] half a robot's width where floor is farthest seen to be free
 FARTHEST_ANGLE = 2.0 * math.pi  # [rad]
+UNDESCRIBED_NEAREST = 0.75  # [m] a TurtleBot 2's Kinect sees floor from 0.71 m on, and from here if it nods by a degree
 SLACK = math.radians(1.0)  # by which a beam may be aside of the view and still see its outermost pixels
 
 
 class View(NamedTuple):
     """The part of the floor that a camera can see, from the floor's point below it."""
 
+    camera: Pose2D  # that point, and where the camera looks, on the robot
     nearest: float  # [m] along its axis
     farthest: float  # [m]
     right: float  # [rad] azimuths
     left: float
 
     @classmethod
-    def undescribed(cls, nearest: float) -> Self:
-        """What is taken for seen where nobody describes the camera."""
-        return cls(nearest, math.inf, -WIDEST, WIDEST)
+    def undescribed(cls) -> Self:
+        """What is taken for seen where nobody describes the camera: a TurtleBot 2's.
+
+        Whatever publishes scans without a description is taken for such a camera, as most are; nobody can know better.
+        One that stands higher is to be described, for then floor that it cannot see is not taken for free.
+        """
+        return cls(
+            Pose2D(TURTLEBOT_2.x, TURTLEBOT_2.y, TURTLEBOT_2.yaw), UNDESCRIBED_NEAREST, math.inf, -WIDEST, WIDEST
+        )
 
     @classmethod
-    def of(cls, camera: CameraDescription, nearest: float) -> Self:
-        """What a described camera sees, `nearest` [m] at the nearest."""
-        return cls(max(nearest, camera.nearest_floor), camera.farthest, *camera.field_of_view)
+    def of(cls, camera: CameraDescription) -> Self:
+        """What a described camera sees."""
+        return cls(Pose2D(camera.x, camera.y, camera.yaw), camera.nearest_floor, camera.farthest, *camera.field_of_view)
 
     def within(self, free: Floats, angles: Floats) -> Floats:
-        """How far [m] beams may show floor, of what they say: (beams,) each, and angles [rad]."""
+        """How far [m] beams may show floor, of what they claim: (beams,) each, and angles [rad]."""
         seen = (angles >= self.right - SLACK) & (angles <= self.left + SLACK)
         return np.where(seen, np.minimum(free, self.farthest), 0.0)
+
+
+class Scan(NamedTuple):
+    """A fused scan: (beams,) each."""
+
+    ranges: Floats  # [m] as REP-117 has them
+    edges: NDArray[np.bool_]  # whether a number is where the floor ends
+    free: Floats  # [m] how far floor was seen
+    angles: Floats  # [rad] evenly spaced
+
+    @classmethod
+    def of(cls, scan: LaserScan, view: View) -> Self:
+        """What a message shows; it frees no more than the view, nor what it says in one breath not to have seen."""
+        ranges, angles = scan.ranges.astype(np.float64), scan.grid().angles()
+        edges = np.isin(scan.intensities, EDGES) if len(scan.intensities) else np.zeros(len(ranges), np.bool_)
+        free = scan.free()
+        free[np.isnan(ranges) & (free >= scan.range_max)] = 0.0
+        return cls(ranges, edges, view.within(free, angles), angles)
 
 
 def refusal(scan: LaserScan, stamp: int) -> str:

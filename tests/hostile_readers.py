@@ -7,22 +7,22 @@ import math
 from cliffscan.common.contract.base_messages import Velocity
 from cliffscan.common.contract.message import Message, MessageError
 from cliffscan.common.contract.messages import DepthImage, LaserScan
-from cliffscan.safety.gate import Safety, Scan, Twist
-from cliffscan.safety.local_grid import Pose
+from cliffscan.safety.gate import SafetyGate
+from cliffscan.safety.inputs import Command, Contacts, Twist
+from cliffscan.safety.pose2d import Pose2D
+from cliffscan.safety.scan_claims import Scan
 from cliffscan.services.fuse.config import ExtraInput
 from cliffscan.services.fuse.fusion import GridMismatch, fuse
 from cliffscan.services.fuse.pairing import Pair
 from cliffscan.services.kobuki.config import KobukiConfig
 from cliffscan.services.kobuki.protocol import commands
-from cliffscan.services.kobuki.protocol.packets import decode
 from cliffscan.services.negative.methods import RUN
 from cliffscan.services.perception.perceive import Settings, perceive
 from tests import build
 from tests.hostile import Case
-from tests.kobuki_stream import core
 
 SETTINGS = Settings(methods=tuple(RUN))
-HERE = Pose(0.0, 0.0, 0.0)
+HERE = Pose2D(0.0, 0.0, 0.0)
 TICK = 0.02  # [s]
 HONEST = build.scan([2.0] * 100)
 LONGEST_REFUSAL = 1500  # characters
@@ -32,8 +32,7 @@ class Readers:
     """Takes messages one after another; what was wrong with one must not change what becomes of the next."""
 
     def __init__(self) -> None:
-        self._gate, self._now = Safety(KobukiConfig(), HERE), 100.0
-        self._core = decode(core()).core
+        self._gate, self._now = SafetyGate(KobukiConfig().limits(), HERE), 100.0
 
     def take(self, case: Case) -> bool:
         """Whether it was taken. Raises whatever goes wrong, but for a message that was refused."""
@@ -59,9 +58,8 @@ class Readers:
     def _drive(self, asked: Twist) -> None:
         """What the gate lets through is something that a base may be told."""
         self._now += TICK
-        self._gate.sense(self._core, HERE)
-        self._gate.command(asked, self._now)
-        allowed = self._gate.decide(self._now).allowed
+        self._gate.sense(Contacts(), HERE)
+        allowed = self._gate.decide(Command(asked, self._now), self._now).allowed
         assert all(map(math.isfinite, allowed))
         assert abs(allowed.linear) <= 0.7001
         commands.base_control(*allowed)

@@ -17,7 +17,7 @@ from cliffscan.common.contract.camera import Camera
 from cliffscan.common.perception.image_region import View
 from cliffscan.common.perception.point_heights import Points
 from cliffscan.services.negative.column_edges import AGREE, NARROWEST, SIDE
-from cliffscan.services.negative.floor_following import End, Limits
+from cliffscan.services.negative.floor_following import End, FloorCriteria
 from cliffscan.services.negative.near_edge import APART
 from tests import naive_trace
 
@@ -119,22 +119,22 @@ def combine(array_a: np.ndarray, array_b: np.ndarray) -> np.ndarray:
 
 
 def near_edge(
-    points: Points, grid: Grid, limits: Limits, floor_lost: str, baseline: float
+    points: Points, grid: Grid, criteria: FloorCriteria, floor_lost: str, baseline: float
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Ours: each column is followed over the floor, to where it ends. The beams' ranges, evidence and clear."""
     view, height = points.view, np.float32(points.view.camera.floor.d)
-    rates, order = view.up.single(-1.0), rows_outward(view, limits)
+    rates, order = view.up.single(-1.0), rows_outward(view, criteria)
     columns = range(view.shape[1])
     if not order:
         return np.full(grid.beams, math.nan), np.zeros(grid.beams), np.zeros(grid.beams)
-    traced = [naive_trace.floor_trace(points.heights, order, rates, height, limits, column) for column in columns]
+    traced = [naive_trace.floor_trace(points.heights, order, rates, height, criteria, column) for column in columns]
     ends, rows, levels, sure, sure_levels = (list(each) for each in zip(*traced, strict=True))
     outward = 1 if order[-1] > order[0] else -1
     disparity = baseline * view.camera.intrinsics.fx
     for u in columns:
-        lost = ends[u] == End.LOST and not view.transposed
+        lost = ends[u] == End.NO_RETURN and not view.transposed
         if lost and naive_trace.shadowed(points.heights, rates, height, u, rows[u], outward, disparity):
-            ends[u] = End.HIDDEN
+            ends[u] = End.OCCLUDED
     averages = [averaged(ends, rows, levels, u) for u in columns]
     places = [place(view, u, max(rows[u], 0), averages[u]) for u in columns]
     clear = [surely(view, u, places[u], rows[u], sure[u], sure_levels[u]) for u in columns]
@@ -142,7 +142,7 @@ def near_edge(
     return of_beams(ends, places, clear, grid)
 
 
-def rows_outward(view: View, limits: Limits) -> list[int]:
+def rows_outward(view: View, criteria: FloorCriteria) -> list[int]:
     """The rows that see floor, near to far: of those that see it within a centimetre of each other, the nearest."""
     columns = [0, view.shape[1] // 2, view.shape[1] - 1]
     rows = list(range(view.shape[0]))
@@ -152,15 +152,15 @@ def rows_outward(view: View, limits: Limits) -> list[int]:
     for row in rows:
         downward = [-(view.up.rows[row] + view.up.columns[column]) for column in columns]
         inverse = [rate / view.camera.floor.d for rate in downward]
-        steps = [math.floor(1 / (APART * max(each, 0.5 / limits.far))) for each in inverse]
-        if steps != before and any(each > 0.5 / limits.far and each > 0 for each in inverse):
+        steps = [math.floor(1 / (APART * max(each, 0.5 / criteria.far))) for each in inverse]
+        if steps != before and any(each > 0.5 / criteria.far and each > 0 for each in inverse):
             chosen.append(row)
         before = steps
     return chosen
 
 
 def numbered(end: End) -> bool:
-    return end in (End.DROP, End.LOST)
+    return end in (End.DROP, End.NO_RETURN)
 
 
 def averaged(ends: list[End], rows: list[int], levels: list[np.float32], u: int) -> float:
@@ -203,8 +203,8 @@ def doubt(ends: list[End], places: list[tuple[float, float, float]], floor_lost:
         beside_drop = any(ends[u] == End.DROP for u in group)
         counts = floor_lost == "counts" or (floor_lost == "beside_drop" and beside_drop)
         for u in group:
-            if narrow or (ends[u] == End.LOST and not counts):
-                ends[u] = End.UNSEEN
+            if narrow or (ends[u] == End.NO_RETURN and not counts):
+                ends[u] = End.UNVERIFIED
         first = stop + 1
 
 
@@ -219,7 +219,7 @@ def of_beams(
         heard = heard or [u for u in range(len(places)) if is_nearest(places, u, angle)]
         numbers = [(places[u][1], 2.0 if ends[u] == End.DROP else 3.0) for u in heard if numbered(ends[u])]
         closed = between_closed(ends, places, angle)
-        free = heard and all(ends[u] == End.SIGHT for u in heard) and not closed
+        free = heard and all(ends[u] == End.REACHED_RANGE for u in heard) and not closed
         nearest = min(numbers, key=lambda number: number[0]) if numbers else (math.inf if free else math.nan, 0.0)
         doubtful = [u for u in range(len(places)) if crosses(places[u], clear[u][0], angle, half)]
         told.append((*nearest, min(clear[u][1] for u in heard + closed + doubtful) if heard else 0.0))
@@ -238,7 +238,7 @@ def between_closed(ends: list[End], places: list[tuple[float, float, float]], an
     """The neighbouring columns, neither of them free, between which an angle lies."""
     spans = [sorted((one[0], other[0])) for one, other in pairwise(places)]
     pairs = [(u, u + 1) for u, (low, high) in enumerate(spans) if low <= angle <= high]
-    return [u for pair in pairs if End.SIGHT not in (ends[pair[0]], ends[pair[1]]) for u in pair]
+    return [u for pair in pairs if End.REACHED_RANGE not in (ends[pair[0]], ends[pair[1]]) for u in pair]
 
 
 def is_nearest(places: list[tuple[float, float, float]], u: int, angle: float) -> bool:

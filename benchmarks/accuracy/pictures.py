@@ -12,7 +12,7 @@ from matplotlib.axes import Axes
 from benchmarks.accuracy.cases import Case, scene_of
 from benchmarks.accuracy.frames import PLANES, Frame, frames_of
 from benchmarks.accuracy.scans import ANGLES, beams_of
-from cliffscan.common.perception.combine import Ranges
+from cliffscan.common.contract.beam_fields import Ranges
 from evaluation import palette
 from evaluation.pictures.plan import Extent, area, dots, draw_pieces, line, prepare
 from evaluation.pictures.sheet import Panel, label, write_sheet

@@ -6,9 +6,10 @@ from collections.abc import Sequence
 from typing import get_args
 
 from benchmarks.accuracy.frames import Frame
+from cliffscan.common.contract.beam_fields import Beams
 from cliffscan.common.contract.depth_codec import RAW
 from cliffscan.common.contract.messages import DepthImage
-from cliffscan.common.perception.combine import Beams, combine
+from cliffscan.common.perception.combine import combine
 from cliffscan.services.negative.config import Method, NegativeConfig
 from cliffscan.services.negative.scans import negative_scans
 
@@ -34,6 +35,5 @@ def beams_of(frame: Frame, names: Sequence[str]) -> dict[str, Beams]:
     scans = {name: known_scans()[name] for name in names}
     used = tuple(method for method in METHODS if any(method in methods for methods in scans.values()))
     image = DepthImage.pack(0, 0, "", frame.depth, frame.camera, RAW)
-    told = negative_scans(image, CONFIG, used).by_method
-    found = {method: Beams(scan.ranges, scan.intensities, scan.clear) for method, scan in told.items()}
+    found = negative_scans(image, CONFIG, used).by_method
     return {name: combine([found[method] for method in methods]) for name, methods in scans.items()}

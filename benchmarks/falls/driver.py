@@ -14,7 +14,8 @@ from random import Random
 from benchmarks.falls.memory import Memory, Place
 from benchmarks.falls.sight import SQUARE
 from cliffscan.common.contract.messages import LaserScan
-from cliffscan.safety.gate import Decision, Twist
+from cliffscan.safety.inputs import Twist
+from cliffscan.safety.rules import Decision
 from cliffscan.simulator.world import Pose
 
 WHIM = 0.2  # share of the goals that are any place at all

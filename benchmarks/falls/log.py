@@ -8,7 +8,7 @@ from benchmarks.falls.cases import Case
 from benchmarks.falls.floor import Floor, arc
 from benchmarks.falls.outcome import Outcome, Point
 from benchmarks.falls.watch import Watch
-from cliffscan.safety.gate import CRAWL, Decision
+from cliffscan.safety.rules import CRAWL, Decision
 from cliffscan.simulator.world import Pose, World
 
 POINT_PERIOD = 0.1  # [s] between two points of the track

@@ -19,7 +19,8 @@ from cliffscan.common.contract.messages import LaserScan
 from cliffscan.common.contract.topics import BASE_STATE, ODOMETRY, SAFETY, SCAN_FUSED
 from cliffscan.common.runtime.latest_queue import LatestQueue
 from cliffscan.common.runtime.service import StopSignal
-from cliffscan.safety.gate import REST, Decision, Twist
+from cliffscan.safety.inputs import REST, Twist
+from cliffscan.safety.rules import Decision
 from cliffscan.simulator.world import Pose, World
 from evaluation.processes.driven import DrivenRobot, Interrupted, driven_robot
 from evaluation.processes.service_log import ServiceLog

@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cliffscan.common.contract.messages import LaserScan
-from cliffscan.safety.local_grid import Pose as Place
-from cliffscan.services.kobuki.config import KobukiConfig
+from cliffscan.safety.pose2d import Pose2D as Place
+from cliffscan.safety.scan_claims import View
 from cliffscan.simulator.world import Pose
 
 Floats = NDArray[np.float64]
@@ -29,7 +29,7 @@ class Sight:
     def __init__(self, low: tuple[float, float], shape: tuple[int, int]) -> None:
         self._low = np.array(low)[:, None]
         self._marks = np.zeros((2 * shape[0], 2 * shape[1]), dtype=np.int8)
-        self._mount, self._blind = KobukiConfig().camera(), KobukiConfig().blind
+        self._mount, self._blind = View.undescribed()[:2]
         self._shut: Mask | None = None
 
     def see(self, pose: Pose, scan: LaserScan) -> None:

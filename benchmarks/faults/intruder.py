@@ -22,9 +22,9 @@ import numpy as np
 import zenoh
 
 from cliffscan.common.contract.base_messages import Velocity
+from cliffscan.common.contract.beam_fields import ABSENT
 from cliffscan.common.contract.messages import LaserScan
 from cliffscan.common.contract.topics import SCAN_FUSED, VELOCITY, command
-from cliffscan.common.perception.combine import NOT_TOLD
 
 COMMANDS, REQUESTS = 5000.0, 20_000.0  # [Hz] of a flood
 SCANS, DRIVES = 30.0, 50.0  # [Hz]
@@ -49,7 +49,7 @@ def free_scan(stamp: int, beams: int, seq: int = 0) -> LaserScan:
         range_min=0.0,
         range_max=TOLD_CLEAR,
         ranges=np.full(beams, np.inf, np.float32),
-        intensities=NOT_TOLD,
+        intensities=ABSENT,
     )
 
 

@@ -2,30 +2,47 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Self
+from typing import Annotated, NamedTuple, Self
 
 import numpy as np
 from pydantic import Field
 
+from cliffscan.common.contract import limits
 from cliffscan.common.contract.camera import Camera, reach
 from cliffscan.common.contract.floor_view import floor_in_view, straight_ahead
 from cliffscan.common.contract.message import ListAsTuple, Message, Part, Stamp
 
 Metres = Annotated[float, Field(ge=0, le=1e5)]
+Coordinate = Annotated[float, limits.COORDINATE]
+Angle = Annotated[float, limits.HEADING]
 Azimuths = Annotated[tuple[float, float], ListAsTuple]
 
 
+class Place(NamedTuple):
+    """Where a camera stands on the base: the point of the floor below it, seen from the middle between the wheels."""
+
+    x: float  # [m] ahead
+    y: float  # [m] to the left
+    yaw: float  # [rad] by which the camera looks to the left
+
+
+TURTLEBOT_2 = Place(x=-0.087, y=0.0, yaw=0.0)  # its Kinect stands behind
+
+
 class CameraDescription(Part):
-    """What the camera can see of the floor from its nominal mount, in the scan frame: see common/geometry."""
+    """What the camera can see of the floor from its nominal mount, in the scan frame: see contract/camera."""
 
     frame: Annotated[str, Field(max_length=256)]  # of the depth images
     simulated: bool  # whether its pictures are of a simulated or a recorded world
     nearest_floor: Metres  # [m] from the point below the camera straight ahead to the first floor it sees there
     farthest: Metres  # [m] horizontally, at most, to anything it measures
     field_of_view: Azimuths  # [rad] rightmost and leftmost azimuth at which it sees floor ahead
+    x: Coordinate = TURTLEBOT_2.x  # [m] where it stands on the base
+    y: Coordinate = TURTLEBOT_2.y
+    yaw: Angle = TURTLEBOT_2.yaw  # [rad]
 
     @classmethod
-    def of(cls, camera: Camera, frame: str, simulated: bool) -> Self:
+    def of(cls, camera: Camera, frame: str, simulated: bool, place: Place = TURTLEBOT_2) -> Self:
         """The description of a possible camera over an endless floor without anything on it.
 
         `nearest_floor` is `farthest` where no floor is seen straight ahead, the field of view (0, 0) where none is.
@@ -37,7 +54,8 @@ class CameraDescription(Part):
         return cls(
             frame=frame,
             simulated=simulated,
-            nearest_floor=float((camera.floor.d * ahead[:, 0] / -ahead[:, 2]).min(initial=farthest)),
+            **place._asdict(),
+            nearest_floor=max(float((camera.floor.d * ahead[:, 0] / -ahead[:, 2]).min(initial=farthest)), 0.0),
             farthest=farthest,
             field_of_view=(float(azimuths.min()), float(azimuths.max())) if len(floor) else (0.0, 0.0),
         )

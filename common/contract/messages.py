@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 from pydantic import Field, PrivateAttr, model_validator
 
 from cliffscan.common.contract import depth_codec, limits
+from cliffscan.common.contract.beam_fields import Beams, check_beams
 from cliffscan.common.contract.beam_grid import Grid
 from cliffscan.common.contract.camera import Camera, FloorPlane, Intrinsics, check_camera
-from cliffscan.common.contract.message import Float32s, ListAsTuple, Message, Stamp, UInt64
-from cliffscan.common.perception.combine import NOT_TOLD, taken_at_its_word
+from cliffscan.common.contract.message import ListAsTuple, Message, Stamp, UInt64
 
 Side = Annotated[int, Field(ge=2, le=limits.MOST_SIDE)]  # [px]
 Name = Annotated[str, limits.NAME]
@@ -81,8 +81,8 @@ class DepthImage(Message):
         return self._camera
 
 
-class LaserScan(Message):
-    """The fields of ROS `sensor_msgs/LaserScan`; ranges follow REP-117: number, +inf (free), NaN (not seen)."""
+class ScanHeader(Message):
+    """What all beams of a scan have in common."""
 
     seq: UInt64
     stamp: Stamp  # of the depth image
@@ -94,23 +94,17 @@ class LaserScan(Message):
     scan_time: Annotated[float, limits.PERIOD]  # [s]
     range_min: Annotated[float, limits.RANGE_MIN]  # [m]
     range_max: Annotated[float, limits.RANGE_MAX]  # [m]
-    ranges: Float32s  # [m]
-    intensities: Float32s  # Evidence, one a beam, or none at all
-    clear: Float32s = NOT_TOLD  # [m] up to which floor was seen throughout, one a beam, or none at all
+
+
+class LaserScan(Beams, ScanHeader):
+    """The fields of ROS `sensor_msgs/LaserScan`; ranges follow REP-117: number, +inf (free), NaN (not seen)."""
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
         beams = len(self.ranges)
         if not 1 <= beams <= limits.MOST_BEAMS:
             raise ValueError(f"ranges: {beams} beams, expected 1 to {limits.MOST_BEAMS}")
-        for name, values in (("intensities", self.intensities), ("clear", self.clear)):
-            if len(values) not in (0, beams):
-                raise ValueError(f"{name}: {len(values)} values for {beams} beams")
-            if not np.isfinite(values).all():
-                raise ValueError(f"{name}: not finite")
-        for name, metres in (("ranges", self.ranges), ("clear", self.clear)):
-            if (metres < 0).any():
-                raise ValueError(f"{name}: negative")
+        check_beams(self)
         last = self.angle_min + (beams - 1) * self.angle_increment
         if not last - self.angle_min <= TURN + self.angle_increment:
             raise ValueError(f"angle_increment: {self.angle_increment} is more than a turn for {beams} beams")
@@ -125,12 +119,8 @@ class LaserScan(Message):
         return Grid(len(self.ranges), self.angle_min, self.angle_increment)
 
     def free(self) -> NDArray[np.float64]:
-        """How far [m] each beam shows floor to drive on: (beams,).
-
-        A scan that does not tell in `clear` is taken at its word: up to its number, +inf up to range_max, NaN nowhere.
-        """
-        clear = taken_at_its_word(self.ranges, self.clear).astype(np.float64)
-        return np.fmin(np.fmin(clear, self.ranges), self.range_max)
+        """How far [m] each beam shows floor to drive on: (beams,), no farther than its number and range_max."""
+        return np.fmin(np.fmin(self.up_to("clear").astype(np.float64), self.ranges), self.range_max)
 
 
 class ServiceStatus(Message):

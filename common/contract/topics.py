@@ -1,9 +1,9 @@
-"""Every key, its message and its quality of service, in one table."""
+"""Every key that carries messages: one row a topic, from which the bus, the services and the wire page follow."""
 
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import Enum
 from typing import Any, Generic, TypeVar
 
@@ -28,45 +28,74 @@ class Qos(Enum):
 
 @dataclass(frozen=True)
 class Topic(Generic[M]):
-    """A key below the robot's name, what is said there, and how it travels."""
+    """A row: a key below the robot's name, its message, how often it comes, how it travels, and what publishes it.
+
+    A path that ends in `<...>` stands for a family of keys.
+    """
 
     path: str
     message: type[M]
+    rate: str
     qos: Qos
+    writer: str
+
+    @property
+    def prefix(self) -> str:
+        """The path, of a family without the part that differs."""
+        return self.path.partition("/<")[0]
+
+    def named(self, name: str) -> Topic[M]:
+        """The topic of a family with this name."""
+        return replace(self, path=f"{self.prefix}/{name}")
 
     def key(self, robot: str) -> str:
         """The full Zenoh key."""
         return f"{robot}/{self.path}"
 
 
-DEPTH = Topic("camera/depth", DepthImage, Qos.BULK)
-SCAN_POSITIVE = Topic("scan/positive", LaserScan, Qos.REAL_TIME)
-SCAN_NEGATIVE = Topic("scan/negative", LaserScan, Qos.REAL_TIME)
-SCAN_FUSED = Topic("scan/fused", LaserScan, Qos.REAL_TIME)
-ODOMETRY = Topic("base/odom", Odometry, Qos.REAL_TIME)
-BASE_STATE = Topic("base/state", BaseState, Qos.REAL_TIME)
-IMU = Topic("base/imu", Imu, Qos.REAL_TIME)
-VELOCITY = Topic("base/cmd_vel", Velocity, Qos.REAL_TIME)
-SAFETY = Topic("base/safety", SafetyState, Qos.REAL_TIME)
-DESCRIPTION = Topic("description", RobotDescription, Qos.STATUS)
-MAP = Topic("map", OccupancyGrid, Qos.BULK)
-POSE = Topic("pose", Pose2D, Qos.REAL_TIME)
-TOPICS: tuple[Topic[Any], ...] = (DEPTH, ODOMETRY, BASE_STATE, IMU, VELOCITY, SAFETY, DESCRIPTION, MAP, POSE)
+DEPTH = Topic("camera/depth", DepthImage, "30 Hz", Qos.BULK, "capture")
+DESCRIPTION = Topic(
+    "description",
+    RobotDescription,
+    "once, on change, and to whoever asks",
+    Qos.STATUS,
+    "capture: `camera`; kobuki: `body`",
+)
+SCAN_POSITIVE = Topic("scan/positive", LaserScan, "per frame", Qos.REAL_TIME, "positive")
+SCAN_OF_METHOD = Topic(
+    "scan/negative/<method>",
+    LaserScan,
+    "per frame",
+    Qos.REAL_TIME,
+    "negative, each method that is configured or has subscribers",
+)
+SCAN_NEGATIVE = Topic("scan/negative", LaserScan, "per frame", Qos.REAL_TIME, "negative, algorithm 3 over its methods")
+SCAN_FUSED = Topic(
+    "scan/fused",
+    LaserScan,
+    "per frame",
+    Qos.REAL_TIME,
+    "fuse, algorithm 3 over positive, negative and extra inputs",
+)
+SCAN = Topic("scan/<name>", LaserScan, "any", Qos.REAL_TIME, "any other sensor, an extra input of fuse")
+ODOMETRY = Topic("base/odom", Odometry, "50 Hz", Qos.REAL_TIME, "kobuki")
+BASE_STATE = Topic("base/state", BaseState, "50 Hz", Qos.REAL_TIME, "kobuki")
+IMU = Topic("base/imu", Imu, "per base packet", Qos.REAL_TIME, "kobuki")
+VELOCITY = Topic("base/cmd_vel", Velocity, "any", Qos.REAL_TIME, "whatever drives")
+SAFETY = Topic("base/safety", SafetyState, "on change and 1 Hz", Qos.REAL_TIME, "kobuki")
+MAP = Topic("map", OccupancyGrid, "1 Hz at most", Qos.BULK, "a SLAM plug-in")
+MAP_OF_PLUGIN = Topic("map/<name>", OccupancyGrid, "1 Hz at most", Qos.BULK, "one of several SLAM plug-ins")
+POSE = Topic("pose", Pose2D, "per scan", Qos.REAL_TIME, "a SLAM plug-in")
+POSE_OF_PLUGIN = Topic("pose/<name>", Pose2D, "per scan", Qos.REAL_TIME, "one of several SLAM plug-ins")
+STATUS = Topic("status/<service>", ServiceStatus, "1 Hz", Qos.STATUS, "every service")
+
+# every row above
+TOPICS: tuple[Topic[Any], ...] = tuple(row for row in list(vars().values()) if isinstance(row, Topic))
 
 
 def scan(path: str) -> Topic[LaserScan]:
-    """A laser scan on a key of one's own, as `scan/lidar`."""
-    return Topic(path, LaserScan, Qos.REAL_TIME)
-
-
-def scan_negative(method: str) -> Topic[LaserScan]:
-    """The scan of one method of `negative`."""
-    return scan(f"{SCAN_NEGATIVE.path}/{method}")
-
-
-def status(service: str) -> Topic[ServiceStatus]:
-    """How a service fares."""
-    return Topic(f"status/{service}", ServiceStatus, Qos.STATUS)
+    """A laser scan on a key of one's own, as `lidar/front`."""
+    return replace(SCAN, path=path)
 
 
 def command(name: str) -> str:
@@ -80,11 +109,10 @@ def alive(service: str) -> str:
 
 
 def message_at(path: str) -> type[Message] | None:
-    """What is said at a key's path below the robot's name; None where the contract does not say."""
-    named: dict[str, type[Message]] = {topic.path: topic.message for topic in TOPICS}
-    for prefix, message in (named | {"scan": LaserScan, "status": ServiceStatus}).items():
-        if path == prefix or path.startswith(prefix + "/"):
-            return message
+    """The message at a key's path below the robot's name; None where the contract has none."""
+    for topic in TOPICS:
+        if path == topic.prefix or path.startswith(topic.prefix + "/"):
+            return topic.message
     return None
 
 

@@ -19,12 +19,12 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from cliffscan.common.contract.beam_fields import Ranges
 from cliffscan.common.contract.beam_grid import Grid
 from cliffscan.common.contract.camera import Floats
 from cliffscan.common.perception.image_region import View
 
 Indices = NDArray[np.int32]
-Ranges = NDArray[np.float32]
 
 ABREAST = np.pi / 2 - 1e-6  # [rad] no ray that leads forward has an azimuth beyond
 NOTHING = np.float32(np.inf)  # what a pixel says that tells nothing

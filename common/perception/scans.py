@@ -8,11 +8,11 @@ from typing import Annotated, Self
 from pydantic import Field, model_validator
 
 from cliffscan.common.contract import limits
+from cliffscan.common.contract.beam_fields import Beams
 from cliffscan.common.contract.beam_grid import Grid
 from cliffscan.common.contract.camera import Camera, reach
 from cliffscan.common.contract.depth_codec import RAW
 from cliffscan.common.contract.messages import DepthImage, LaserScan
-from cliffscan.common.perception.combine import Beams
 from cliffscan.common.perception.point_heights import Points, points_of
 from cliffscan.common.runtime.config import ServiceConfig
 
@@ -90,7 +90,5 @@ def laser_scan(image: DepthImage, beams: Beams, config: ScanConfig) -> LaserScan
         scan_time=config.scan_time,
         range_min=config.range_min,
         range_max=config.reach(image.camera),
-        ranges=beams.ranges,
-        intensities=beams.evidence,
-        clear=beams.clear,
+        **beams.arrays(),
     )

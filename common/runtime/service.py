@@ -18,7 +18,7 @@ from typing import Generic, TypeVar
 from cliffscan.common.contract.limits import LONGEST_TEXT
 from cliffscan.common.contract.message import Message, MessageError
 from cliffscan.common.contract.messages import DepthImage, LaserScan, ServiceStatus, State
-from cliffscan.common.contract.topics import Topic, status
+from cliffscan.common.contract.topics import STATUS, Topic
 from cliffscan.common.runtime import config as configuration
 from cliffscan.common.runtime import options
 from cliffscan.common.runtime.bus import Bus, BusError, Network, NotConnected, Publisher
@@ -133,7 +133,7 @@ class Service(Generic[C]):
 
     def tell_status(self) -> None:
         """Say once a second how the service fares, until it ends."""
-        publisher = self.bus.publisher(status(self.name))
+        publisher = self.bus.publisher(STATUS.named(self.name))
         last = time.monotonic()
         while not self._stop.wait(1.0):
             now = time.monotonic()

@@ -8,6 +8,7 @@ from typing import Annotated, ClassVar, Literal, Self, get_args
 from pydantic import Field, model_validator
 
 from cliffscan.common.contract.camera import Camera, FloorPlane, Intrinsics, check_camera
+from cliffscan.common.contract.description import TURTLEBOT_2, Place
 from cliffscan.common.contract.message import ListAsTuple
 from cliffscan.common.runtime.config import ConfigError, Profiles, ServiceConfig
 
@@ -39,6 +40,14 @@ class CaptureConfig(ServiceConfig):
     """Angle [deg] by which the camera looks down; a depth folder brings its own."""
     roll: Annotated[float, Field(ge=-180, le=180)] = 0.0
     """Angle [deg] by which the camera leans to its right; a depth folder brings its own."""
+
+    # where the camera stands on the base
+    x: Annotated[float, Field(ge=-5, le=5)] = TURTLEBOT_2.x
+    """Where the camera stands [m], ahead of the middle between the wheels; a TurtleBot 2's Kinect stands behind it."""
+    y: Annotated[float, Field(ge=-5, le=5)] = TURTLEBOT_2.y
+    """Where the camera stands [m], to the left of the middle between the wheels."""
+    yaw: Annotated[float, Field(ge=-180, le=180)] = math.degrees(TURTLEBOT_2.yaw)
+    """Where the camera looks [deg], counter-clockwise from straight ahead."""
 
     # replay
     path: str = ""
@@ -78,6 +87,10 @@ class CaptureConfig(ServiceConfig):
     def mounted_floor(self) -> FloorPlane:
         """The floor as the mount has it."""
         return FloorPlane.from_mount(self.height, math.radians(self.pitch), math.radians(self.roll))
+
+    def place(self) -> Place:
+        """Where the camera stands on the base."""
+        return Place(self.x, self.y, math.radians(self.yaw))
 
     def kinect(self) -> Camera:
         """The Kinect as it is mounted."""

@@ -19,7 +19,7 @@ class Description:
 
     def __init__(self, service: Service[CaptureConfig]) -> None:
         self._publish = service.bus.latch(topics.DESCRIPTION)
-        self._frame, self._simulated = service.config.frame, KINDS[service.config.source].simulated
+        self._config, self._simulated = service.config, KINDS[service.config.source].simulated
         self._camera: Camera | None = None
         self._published = 0.0  # [s] when
 
@@ -28,7 +28,7 @@ class Description:
         if camera == self._camera:
             return
         self._camera, self._published = camera, time.monotonic()
-        described = CameraDescription.of(camera, self._frame, self._simulated)
+        described = CameraDescription.of(camera, self._config.frame, self._simulated, self._config.place())
         self._publish(RobotDescription(stamp=time.time_ns(), camera=described))
 
     def follow(self, camera: Camera) -> None:

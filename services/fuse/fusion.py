@@ -7,10 +7,11 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from cliffscan.common.contract.beam_fields import Beams, Ranges
 from cliffscan.common.contract.beam_grid import Grid
 from cliffscan.common.contract.evidence import Evidence
 from cliffscan.common.contract.messages import LaserScan
-from cliffscan.common.perception.combine import Beams, Ranges, combine
+from cliffscan.common.perception.combine import beams_with, combine, within
 from cliffscan.services.fuse.config import ExtraInput
 from cliffscan.services.fuse.pairing import Pair
 from cliffscan.services.fuse.resample import resample
@@ -31,24 +32,23 @@ def fuse(pair: Pair, extras: Mapping[str, tuple[ExtraInput, LaserScan]]) -> Lase
     if not grid.matches(negative.grid()):
         raise GridMismatch(f"positive has {grid}, negative has {negative.grid()}")
     range_max = min(positive.range_max, negative.range_max)
-    inputs = [_beams(positive, Evidence.POSITIVE), _beams(negative, Evidence.DROP)]
-    inputs += [Beams.of(_resampled(source, scan, grid), Evidence.EXTRA) for source, scan in extras.values()]
-    fused = combine([each.within(range_max) for each in inputs])
+    inputs: list[Beams] = [_beams(positive, Evidence.POSITIVE), _beams(negative, Evidence.DROP)]
+    inputs += [beams_with(_resampled(source, scan, grid), Evidence.EXTRA) for source, scan in extras.values()]
+    fused = combine([within(each, range_max) for each in inputs])
     return positive.model_copy(
         update={
             "range_min": min(positive.range_min, negative.range_min),
             "range_max": range_max,
-            "ranges": fused.ranges,
-            "intensities": fused.evidence,
-            "clear": fused.clear,
+            **fused.arrays(),
         }
     )
 
 
 def _beams(scan: LaserScan, otherwise: Evidence) -> Beams:
     """The beams of a scan; one that came without evidence is taken for what its key says."""
-    evidence = scan.intensities if len(scan.intensities) else Beams.of(scan.ranges, otherwise).evidence
-    return Beams(scan.ranges, evidence, scan.clear)
+    if len(scan.intensities):
+        return scan
+    return scan.model_copy(update={"intensities": beams_with(scan.ranges, otherwise).intensities})
 
 
 def _resampled(source: ExtraInput, scan: LaserScan, grid: Grid) -> Ranges:

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from cliffscan.common.contract.beam_fields import Ranges
 from cliffscan.common.contract.beam_grid import Grid
 from cliffscan.common.contract.camera import Floats
-from cliffscan.common.perception.combine import Ranges
 
 ROUNDING = 1e-9  # [rad]
 

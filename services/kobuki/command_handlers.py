@@ -1,4 +1,4 @@
-"""Where requests are handed in and answered: whoever asks waits, the one thread that does everything works.
+"""Requests are taken in and answered: the thread that asks waits, the one that does everything works.
 
 An answer is a map with `ok`, a `message` for people, and the values that were asked for.
 """
@@ -17,7 +17,7 @@ from cliffscan.services.kobuki.protocol import commands
 from cliffscan.services.kobuki.protocol.sensors import Gains, GainSet
 
 Answer = dict[str, Any]
-Reply = Callable[[Answer], Answer | Future[Answer]]  # a later answer is a promise
+Reply = Callable[[Answer], Answer | Future[Answer]]  # a later answer is a future
 PATIENCE = 1.0  # [s] for an answer
 
 
@@ -57,13 +57,13 @@ def failed(why: str) -> Answer:
     return {"ok": False, "message": why}
 
 
-def no_desk(names: Iterable[str]) -> Callable[[Answer], Answer]:
+def unknown_command(names: Iterable[str]) -> Callable[[Answer], Answer]:
     """What answers requests that have none of these names."""
     answer = failed(f"no such command; there are {', '.join(names)}")
     return lambda _: answer
 
 
-class Desk:
+class CommandHandler:
     """Answers one kind of request, called from any thread; `reply` is called from the one that does the jobs."""
 
     def __init__(self, put: Callable[[Callable[[], None]], None], reply: Reply) -> None:
@@ -89,8 +89,8 @@ class Desk:
             return failed(str(error))
 
 
-class GainsDesk:
-    """Sets and tells the wheel controller's gains; the base tells them with a later packet."""
+class GainsHandler:
+    """Sets and reports the wheel controller's gains; the base sends them with a later packet."""
 
     def __init__(self, write: Callable[[bytes], None]) -> None:
         self._write = write
@@ -105,8 +105,8 @@ class GainsDesk:
         self._promised.append(Future())
         return self._promised[-1]
 
-    def told(self, gains: Gains) -> None:
-        """The base told its gains."""
+    def receive(self, gains: Gains) -> None:
+        """The base sent its gains."""
         answer = done(f"{gains.kind.name.lower()} gains", p=gains.p, i=gains.i, d=gains.d)
         for promise in self._promised:
             promise.set_result(answer)

@@ -3,13 +3,19 @@
 from __future__ import annotations
 
 import math
-from typing import Annotated
+from typing import Annotated, Any
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from cliffscan.common.runtime.config import ServiceConfig
-from cliffscan.safety.local_grid import Pose
+from cliffscan.safety.inputs import SafetyLimits
 
+DESCRIBED = {  # settings that are known from the camera's description
+    "camera_x": "set capture.x instead",
+    "camera_y": "set capture.y instead",
+    "camera_yaw": "set capture.yaw instead",
+    "blind": "it follows from capture.height and capture.pitch",
+}
 Seconds = Annotated[float, Field(gt=0, le=5)]
 
 
@@ -52,18 +58,32 @@ class KobukiConfig(ServiceConfig):
     """Time [s] from a decision to its effect: about 0.2 s of the base's own, a packet's age, and 0.02 s to the next
     decision. The age of the scan is measured and added."""
 
-    # where the scans are taken from
-    camera_x: float = -0.087
-    """Where the camera stands [m], ahead of the middle between the wheels; a TurtleBot 2's Kinect stands behind it."""
-    camera_y: float = 0.0
-    """Where the camera stands [m], to the left of the middle between the wheels."""
-    camera_yaw: float = 0.0
-    """Where the camera looks [deg], counter-clockwise from straight ahead."""
-    blind: Annotated[float, Field(ge=0, le=1.4)] = 0.75
-    """Distance [m] from the camera nearer than which it sees no floor."""
     start_free: Annotated[float, Field(ge=0, le=1.4)] = 0.5
     """Radius [m] of the free floor around the place where the robot was put down."""
 
-    def camera(self) -> Pose:
-        """Where the scans are taken from."""
-        return Pose(self.camera_x, self.camera_y, math.radians(self.camera_yaw))
+    @model_validator(mode="before")
+    @classmethod
+    def _refuse_described(cls, values: dict[str, Any]) -> dict[str, Any]:
+        for name, remedy in DESCRIBED.items():
+            if name in values:
+                raise ValueError(f"{name} is gone, for the camera's description says it: {remedy}")
+        return values
+
+    def limits(self) -> SafetyLimits:
+        """What the gate must know of this base, in SI units."""
+        return SafetyLimits(
+            max_linear=self.max_linear,
+            max_angular=math.radians(self.max_angular),
+            acceleration=self.acceleration,
+            angular_acceleration=math.radians(self.angular_acceleration),
+            deceleration=self.deceleration,
+            reaction=self.reaction,
+            radius=self.robot_radius,
+            margin=self.margin,
+            start_free=self.start_free,
+            command_timeout=self.command_timeout,
+            stamp_tolerance=self.stamp_tolerance,
+            require_scan=self.require_scan,
+            scan_timeout=self.scan_timeout,
+            slow_turn=math.radians(self.slow_turn),
+        )

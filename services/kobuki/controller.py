@@ -6,24 +6,24 @@ It has no port, no clock and no network. Steady times `now` are in seconds, stam
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from concurrent.futures import Future
 from typing import NamedTuple
 
 from cliffscan.common.contract.base_messages import Velocity
 from cliffscan.common.contract.description import CameraDescription
 from cliffscan.common.contract.messages import LaserScan
-from cliffscan.safety import scan_claims
-from cliffscan.safety.command_arbiter import CommandArbiter
-from cliffscan.safety.gate import REST, Decision, Safety, Scan, Twist
-from cliffscan.safety.local_grid import Pose
+from cliffscan.safety.inputs import REST
+from cliffscan.safety.message_gate import MessageGate, Warn
 from cliffscan.safety.odometry_monitor import OdometryMonitor
-from cliffscan.safety.pose_history import PoseHistory
-from cliffscan.services.kobuki.command_handlers import Answer, GainsDesk, Reply, done, failed
+from cliffscan.safety.pose2d import Pose2D
+from cliffscan.safety.rules import Decision
+from cliffscan.services.kobuki.command_handlers import Answer, GainsHandler, Reply, done, failed
 from cliffscan.services.kobuki.config import KobukiConfig
-from cliffscan.services.kobuki.kinematics import METRES_PER_TICK
+from cliffscan.services.kobuki.contacts import contacts
+from cliffscan.services.kobuki.kinematics import METRES_PER_TICK, WHEEL_SEPARATION
 from cliffscan.services.kobuki.odometry import Estimate, Odometry
-from cliffscan.services.kobuki.peripherals import Outlets
+from cliffscan.services.kobuki.peripherals import Peripherals
 from cliffscan.services.kobuki.port import PortLost
 from cliffscan.services.kobuki.protocol import commands
 from cliffscan.services.kobuki.protocol.frames import FrameParser
@@ -34,12 +34,11 @@ from cliffscan.services.kobuki.protocol.versions import has_gains
 
 TICK = 0.03  # [s] between decisions when the base is silent; it is not while it sends its packet every 0.02 s
 SILENT = 0.2  # [s] in which the base's clock stood still
-REMEMBERED = 1.0  # [s] for which it is told that a scan was refused
 BOTH_SIMULATED = "the camera is simulated and the base is real: set capture.source to the camera on the robot"
 
 
 class Report(NamedTuple):
-    """What a packet told."""
+    """What a packet brought."""
 
     feedback: Feedback
     core: Core
@@ -55,22 +54,18 @@ class Output(NamedTuple):
 
 
 class BaseController:
-    """The base's driver and its gate. warn(count, why) is told of whatever is odd."""
+    """The base's driver on its gate. warn(count, why) is called with whatever is odd."""
 
-    def __init__(self, config: KobukiConfig, warn: Callable[[str, str], None]) -> None:
-        self._config, self._warn = config, warn
+    def __init__(self, config: KobukiConfig, warn: Warn) -> None:
+        self._warn = warn
         self._odometry = Odometry()  # for the world, which may reset it
-        self._origin = Pose(0.0, 0.0, 0.0)  # where it was reset, in the gate's frame, which never jumps
-        self._history = PoseHistory()
-        self._safety = Safety(config, Pose(0.0, 0.0, 0.0))
-        self._arbiter = CommandArbiter(config.command_timeout, config.stamp_tolerance)
-        self._monitor = OdometryMonitor()
+        self._origin = Pose2D(0.0, 0.0, 0.0)  # where it was reset, in the gate's frame, which never jumps
+        self._gate = MessageGate(config.limits(), warn)
+        self._monitor = OdometryMonitor(WHEEL_SEPARATION)
         self._outputs: list[Output] = []
-        self._outlets, self._gains = Outlets(self._send), GainsDesk(self._send)
+        self._peripherals, self._gains = Peripherals(self._send), GainsHandler(self._send)
         self._camera: CameraDescription | None = None
-        self._scan_refused, self._scan_refused_at = "", -math.inf
         self._decided_at = -math.inf
-        self.decision = Decision("no_base", REST, REST)
         self.connected = self.simulated = False
         self._begin(-math.inf)
 
@@ -78,9 +73,9 @@ class BaseController:
         """Know nothing of the base."""
         self._parser, self._handshake = FrameParser(), Handshake()
         self._monitor.begin()
-        self._catching_up = False  # with what the base said while nobody listened
+        self._catching_up = False  # with what the base sent while nobody read it
         self._read: tuple[Core, float, float, float, float] | None = None  # core, clock, left, right, gyro unwrapped
-        self.heard_at = now  # [s] when the base's clock last went on
+        self.alive_at = now  # [s] when the base's clock last went on
 
     # ---- the line
 
@@ -93,7 +88,7 @@ class BaseController:
         """The port is gone."""
         self.connected = False
         self._outputs.clear()
-        self._safety.lose_base()
+        self._gate.lose_base()
         self._odometry.rebaseline("the port was opened anew")
 
     def take_outputs(self) -> list[Output]:
@@ -102,7 +97,7 @@ class BaseController:
         return outputs
 
     def caught_up(self) -> None:
-        """All that the base said has been read."""
+        """All that the base sent has been read."""
         self._catching_up = False
 
     @property
@@ -121,12 +116,17 @@ class BaseController:
     @property
     def latched(self) -> bool:
         """Whether the robot stands still until clear_safety."""
-        return bool(self._safety.latched or self._safety.distrusted)
+        return self._gate.latched
+
+    @property
+    def decision(self) -> Decision:
+        """The last one."""
+        return self._gate.decision
 
     # ---- what comes
 
     def receive(self, data: bytes, stamp: int, now: float) -> Iterator[Report]:
-        """Take in what the base said; a report for each packet that told something new."""
+        """Take in what the base sent; a report for each packet that brought something new."""
         bad = self._parser.counts.bad_checksums
         for payload in self._parser.feed(data):
             report = self._packet(decode(payload), stamp, now)
@@ -137,43 +137,27 @@ class BaseController:
 
     def command(self, message: Velocity, stamp: int, now: float) -> None:
         """Somebody wants the robot to move. It goes to the base with the next packet, or now if it slows down."""
-        refusal = self._arbiter.offer(message, stamp, now)
-        if refusal:
-            self._warn("command_refused", refusal)
-            return
-        asked, allowed = Twist(message.linear, message.angular), self.decision.allowed
-        self._safety.command(asked, now)
-        if asked != allowed and all(_slows(*pair) for pair in zip(asked, allowed, strict=True)):
+        if self._gate.command(message, stamp, now):
             self.decide(now)
 
     def scan(self, scan: LaserScan, stamp: int, now: float) -> None:
         """A fused scan came."""
-        refusal = scan_claims.refusal(scan, stamp)
-        if refusal:
-            self._scan_refused, self._scan_refused_at = refusal, now
-            self._warn("scan_refused", refusal)
-            return
-        pose = self._history.at(scan.stamp)
-        if pose is None:  # unless the history is full, the scan is older than the odometry, which has begun just now
-            if self._history.full:
-                self._warn("scan_unplaced", f"stamp {scan.stamp}: not known where the robot was then")
-            return
-        self._safety.see(Scan.of(scan, self._safety.view), pose, now - (stamp - scan.stamp) * 1e-9, now)
+        self._gate.scan(scan, stamp, now)
 
     def describe(self, camera: CameraDescription) -> None:
-        """The camera's service says what it sees."""
+        """What the camera sees, and where it stands."""
         self._camera = camera
-        self._safety.describe(camera)
+        self._gate.describe(camera)
 
     def stop(self, now: float) -> None:
         """The emergency stop."""
-        self._safety.stop("asked to")
+        self._gate.stop("asked to")
         self.decide(now)
 
     def tick(self, now: float) -> None:
         """Time passes: notice a silent base, ask what it has not answered, decide where no packet asks for it."""
-        if now - self.heard_at > SILENT:
-            self._safety.lose_base("the base's clock stands still" if self.connected and self._read else "")
+        if now - self.alive_at > SILENT:
+            self._gate.lose_base("the base's clock stands still" if self.connected and self._read else "")
         if self._parser.counts.good and (request := self._handshake.request(now)):
             self._outputs.append(Output(request))
         if now - self._decided_at >= TICK:
@@ -182,25 +166,19 @@ class BaseController:
     # ---- what is decided
 
     def decide(self, now: float) -> Decision:
-        """Ask the gate, and tell the wheels."""
+        """Ask the gate, and command the wheels."""
         self._decided_at = now
         was_moving = self.decision.allowed != REST
-        self.decision = self._safety.decide(now)
-        if self.refused:
-            self.decision = Decision("refused", REST, self.decision.asked, note=self.refused)
+        decision = self._gate.decide(now, self.refused)
         if self.accepted:
-            allowed = self.decision.allowed
+            allowed = decision.allowed
             self._outputs.append(Output(commands.base_control(*allowed), stop=was_moving and allowed == REST))
             self._monitor.send(*allowed, now)
-        return self.decision
+        return decision
 
     def note(self, now: float) -> str:
         """What a person should know of the last decision."""
-        decision = self.decision
-        scan = self._scan_refused if now - self._scan_refused_at <= REMEMBERED else ""
-        parts = [decision.note, str(decision.obstruction or ""), self._arbiter.note(now)]
-        parts.append(f"a scan is refused: {scan}" if scan else "")
-        return "; ".join(filter(None, parts))
+        return self._gate.note(now)
 
     # ---- what is asked for
 
@@ -209,27 +187,27 @@ class BaseController:
         return {
             "clear_safety": self._clear,
             "reset_odometry": self._reset,
-            "led": self._outlets.led,
-            "sound": self._outlets.sound,
-            "digital_output": self._outlets.digital_output,
+            "led": self._peripherals.led,
+            "sound": self._peripherals.sound,
+            "digital_output": self._peripherals.digital_output,
             "gains": self._ask_gains,
-            "version": lambda _: self._handshake.told(),
+            "version": lambda _: self._handshake.answer(),
         }
 
     def _clear(self, _: Answer) -> Answer:
-        self._safety.clear()
+        self._gate.clear()
         self._monitor.begin()
         return done("cleared")
 
     def _reset(self, _: Answer) -> Answer:
-        self._origin = self._origin.then(Pose(*self._odometry.pose))
+        self._origin = self._origin.then(Pose2D(*self._odometry.pose))
         self._odometry.reset()
         return done("here is the origin")
 
     def _ask_gains(self, parameters: Answer) -> Answer | Future[Answer]:
         firmware = self._handshake.firmware
         if firmware and not has_gains(firmware):
-            return failed(f"firmware {firmware} has no gains to tell")
+            return failed(f"firmware {firmware} has no gains to report")
         return self._gains.request(parameters)
 
     def _send(self, data: bytes) -> None:
@@ -242,32 +220,31 @@ class BaseController:
     def _packet(self, feedback: Feedback, stamp: int, now: float) -> Report | None:
         for skipped in feedback.skipped:
             self._warn("bad_sub_payload", str(skipped))
-        if self._handshake.hear(feedback) and self._handshake.accepted:
-            self._outlets.resend()
+        if self._handshake.receive(feedback) and self._handshake.accepted:
+            self._peripherals.resend()
         if feedback.gains:
-            self._gains.told(feedback.gains)
+            self._gains.receive(feedback.gains)
         core = feedback.core
         if core is None or not self._handshake.accepted or self._is_repeated(core):
             return None
-        self.heard_at = now
+        self.alive_at = now
         estimate = self._odometry.update(core, feedback.inertia, now)
-        pose = self._origin.then(Pose(*estimate.pose))
+        pose = self._origin.then(Pose2D(*estimate.pose))
         if estimate.new_baseline:
             self._warn("baseline", estimate.new_baseline)
             self._catching_up = True
-        if self._catching_up:  # what is read late tells where the robot was; it begins anew where it is
-            self._safety.restart(pose)
+        if self._catching_up:  # what is read late is of where the robot was; it begins anew where it is
+            self._gate.restart(pose)
             self._monitor.begin()
         if estimate.contradiction:
-            self._safety.doubt(f"the odometry contradicts itself: {estimate.new_baseline}", now)
-        self._history.add(stamp, pose)
-        self._safety.sense(core, pose)
+            self._gate.doubt(f"the odometry contradicts itself: {estimate.new_baseline}", now)
+        self._gate.sense(contacts(core), pose, stamp)
         self._watch_wheels(feedback, core, now)
         self.decide(now)
         return Report(feedback, core, estimate, stamp)
 
     def _is_repeated(self, core: Core) -> bool:
-        """Whether the base's clock has not gone on: then nothing in the packet is news."""
+        """Whether the base's clock has not gone on: then nothing in the packet is new."""
         return self._read is not None and core.timestamp == self._read[0].timestamp
 
     def _watch_wheels(self, feedback: Feedback, core: Core, now: float) -> None:
@@ -286,14 +263,9 @@ class BaseController:
         self._read = (core, clock, left, right, gyro)
         self._monitor.read(clock, left, right, None if math.isnan(gyro) else gyro)
         if stuck := self._monitor.stuck(now):
-            self._safety.distrust(stuck)
+            self._gate.distrust(stuck)
         if wrong := self._monitor.contradicted() or self._monitor.runaway(now):
-            self._safety.doubt(wrong, now)
-
-
-def _slows(asked: float, allowed: float) -> bool:
-    """Whether a speed is lower, or the same."""
-    return asked * allowed >= 0.0 and abs(asked) <= abs(allowed)
+            self._gate.doubt(wrong, now)
 
 
 def _ticks(before: int, after: int) -> int:

@@ -16,17 +16,17 @@ from cliffscan.common.contract.message import MessageError
 from cliffscan.common.contract.messages import LaserScan
 from cliffscan.common.runtime.service import Service
 from cliffscan.services.kobuki import reports
-from cliffscan.services.kobuki.command_handlers import Answer, Desk, done, no_desk
+from cliffscan.services.kobuki.command_handlers import Answer, CommandHandler, done, unknown_command
 from cliffscan.services.kobuki.config import KobukiConfig
 from cliffscan.services.kobuki.controller import TICK, BaseController
 from cliffscan.services.kobuki.port import Port, PortLost
 from cliffscan.services.kobuki.protocol import commands
-from cliffscan.services.kobuki.publishers import News
-from cliffscan.services.kobuki.wakeable_queue import Job, Jobs
+from cliffscan.services.kobuki.publishers import BasePublishers
+from cliffscan.services.kobuki.wakeable_queue import Job, WakeableQueue
 
 BEAT = 0.05  # [s] between two heartbeats for the guard
 REPORT = 1.0  # [s] between two reports of an unchanged rule
-SILENCE_TOLD = 1.0  # [s] of a silent base after which the service cannot do its work
+SILENCE = 1.0  # [s] of a silent base after which the service cannot do its work
 BACK_OFF = (0.5, 8.0)  # [s] before the first and, doubled each time, before a later attempt to open the port
 
 
@@ -36,13 +36,13 @@ class IoLoop:
     def __init__(self, service: Service[KobukiConfig]) -> None:
         self._service = service
         self._config = service.config
-        self._jobs = Jobs()
+        self._jobs = WakeableQueue()
         self._port: Port | None = None
         self._delay, self._retry_at = BACK_OFF[0], -math.inf
         self._controller = BaseController(service.config, service.metrics.warn_limited)
         self._reported_at = self._beaten_at = -math.inf
         self._reported: tuple[object, ...] = ()
-        self._news = News(service)
+        self._publishers = BasePublishers(service)
         self._safety = service.publisher(topics.SAFETY)
         self._describe = service.bus.latch(topics.DESCRIPTION)
 
@@ -52,13 +52,13 @@ class IoLoop:
         self._service.receive(topics.VELOCITY, self._on_command)
         self._service.receive(topics.SCAN_FUSED, self._on_scan)
         bus.receive_latched(topics.DESCRIPTION.path, self._on_description)
-        bus.answer(topics.command("stop"), Desk(self._jobs.put_urgent, self._stop))
+        bus.answer(topics.command("stop"), CommandHandler(self._jobs.put_urgent, self._stop))
         requests = self._controller.requests()
-        bus.answer(topics.command("clear_safety"), Desk(self._jobs.put_urgent, requests["clear_safety"]))
+        bus.answer(topics.command("clear_safety"), CommandHandler(self._jobs.put_urgent, requests["clear_safety"]))
         for name in requests.keys() - {"clear_safety"}:
-            bus.answer(topics.command(name), Desk(self._put, requests[name]))
+            bus.answer(topics.command(name), CommandHandler(self._put, requests[name]))
         names = ["stop", *requests]
-        bus.answer(topics.command("*"), no_desk(names), except_paths=[*map(topics.command, names)])
+        bus.answer(topics.command("*"), unknown_command(names), except_paths=[*map(topics.command, names)])
 
     def turn(self) -> None:
         """Take in what comes within a tick, do what is to be done, and what is due."""
@@ -89,7 +89,7 @@ class IoLoop:
     def _open(self, now: float) -> None:
         self._port = Port(self._config.port)
         self._controller.connect(self._port.emulated, now)
-        self._news.begin()
+        self._publishers.begin()
         body = BodyDescription(simulated=self._port.emulated, radius=self._config.robot_radius)
         self._describe(RobotDescription(stamp=time.time_ns(), body=body))
 
@@ -106,7 +106,7 @@ class IoLoop:
     def _read(self, port: Port) -> None:
         for report in self._controller.receive(port.read(), time.time_ns(), time.monotonic()):
             self._send()
-            self._news.tell(report.feedback, report.core, report.estimate, report.stamp)
+            self._publishers.publish(report.feedback, report.core, report.estimate, report.stamp)
         if not port.has_more():
             self._controller.caught_up()
 
@@ -155,14 +155,14 @@ class IoLoop:
         if not self._port and now >= self._retry_at:
             self._open(now)
         self._controller.tick(now)
-        self._tell_whether_it_works(now)
+        self._report_whether_it_works(now)
 
-    def _tell_whether_it_works(self, now: float) -> None:
-        """The service works while the base is heard and may be driven."""
+    def _report_whether_it_works(self, now: float) -> None:
+        """The service works while the base is alive and may be driven."""
         controller, service = self._controller, self._service
         if not self._port:
             return
-        if now - controller.heard_at > SILENCE_TOLD:
+        if now - controller.alive_at > SILENCE:
             why = controller.refused or f"{self._config.port}: the base is silent; is it switched on?"
             if (service.state, service.note) != ("waiting", why):
                 service.metrics.warn_limited("silent", why)
@@ -175,10 +175,10 @@ class IoLoop:
         """Publish which rule holds, when that changes and once a second."""
         controller = self._controller
         note = controller.note(now)
-        words = "".join(each for each in note if not each.isdigit())  # a distance that changes is no news by itself
-        news = (controller.decision.rule, controller.latched, words)
-        if news != self._reported or now - self._reported_at >= REPORT:
-            self._reported, self._reported_at = news, now
+        words = "".join(each for each in note if not each.isdigit())  # a distance that changes is nothing new by itself
+        new = (controller.decision.rule, controller.latched, words)
+        if new != self._reported or now - self._reported_at >= REPORT:
+            self._reported, self._reported_at = new, now
             self._safety.put(reports.safety(controller.decision, controller.latched, note, time.time_ns()))
 
     # ---- what is asked for

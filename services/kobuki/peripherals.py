@@ -37,7 +37,7 @@ class OutputRequest(Request):
     on: bool
 
 
-class Outlets:
+class Peripherals:
     """What the base shows, plays and switches; keeps the one word that all outputs share."""
 
     def __init__(self, write: Callable[[bytes], None]) -> None:

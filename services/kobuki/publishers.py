@@ -1,4 +1,4 @@
-"""What every packet of the base has to tell the network."""
+"""What is published of every packet of the base."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ from cliffscan.services.kobuki.protocol.packets import Feedback
 from cliffscan.services.kobuki.protocol.sensors import Core
 
 
-class News:
-    """Says odometry, state and gyro, as far as anybody listens."""
+class BasePublishers:
+    """Publishes odometry, state and gyro, as far as anybody subscribes."""
 
     def __init__(self, service: Service[KobukiConfig]) -> None:
         self._metrics = service.metrics
@@ -25,8 +25,8 @@ class News:
         """Know nothing of the base."""
         self._report = reports.StateReport()
 
-    def tell(self, feedback: Feedback, core: Core, estimate: Estimate, stamp: int) -> None:
-        """Say what a packet told."""
+    def publish(self, feedback: Feedback, core: Core, estimate: Estimate, stamp: int) -> None:
+        """Publish what a packet brought."""
         self._report.update(feedback, core)
         if self._odom.has_subscribers:
             self._odom.put(reports.odometry(estimate, stamp))

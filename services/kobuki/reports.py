@@ -1,19 +1,17 @@
-"""What the base told, as the messages that everybody reads."""
+"""What the base reports, as the messages that everybody reads."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from cliffscan.common.contract.base_messages import BaseState, Imu, Odometry, SafetyState
-from cliffscan.safety.gate import Decision
+from cliffscan.safety.rules import Decision
 from cliffscan.services.kobuki.battery import FULL, full_voltage, percentage
+from cliffscan.services.kobuki.contacts import BUTTONS, contacts
 from cliffscan.services.kobuki.odometry import Estimate
 from cliffscan.services.kobuki.protocol.packets import Feedback
 from cliffscan.services.kobuki.protocol.sensors import (
-    Bumper,
-    Button,
     Charger,
-    Cliff,
     CliffCounts,
     Core,
     DockIr,
@@ -22,29 +20,9 @@ from cliffscan.services.kobuki.protocol.sensors import (
     Gyro,
     Inertia,
     MotorCurrent,
-    Overcurrent,
-    WheelDrop,
 )
 
 ODOM, BASE, GYRO = "odom", "base_link", "gyro_link"
-
-
-def _two(kind: type[WheelDrop] | type[Overcurrent]) -> tuple[tuple[bool, bool], ...]:
-    """Left and right of all values that the flags can have."""
-    return tuple((bool(flags & kind.LEFT), bool(flags & kind.RIGHT)) for flags in range(4))
-
-
-def _three(*each: int) -> tuple[tuple[bool, bool, bool], ...]:
-    """Three flags of all values that they can have."""
-    left, centre, right = each
-    return tuple((bool(flags & left), bool(flags & centre), bool(flags & right)) for flags in range(8))
-
-
-# looked up, for an operation on flags takes ten times as long
-BUMPERS = _three(Bumper.LEFT, Bumper.CENTRE, Bumper.RIGHT)
-CLIFFS = _three(Cliff.LEFT, Cliff.CENTRE, Cliff.RIGHT)
-BUTTONS = _three(Button.B0, Button.B1, Button.B2)
-WHEEL_DROPS, OVERCURRENTS = _two(WheelDrop), _two(Overcurrent)
 CHARGERS = {charger: charger.name.lower() for charger in Charger}
 
 
@@ -80,14 +58,14 @@ class StateReport:
 
     def message(self, core: Core, stamp: int) -> BaseState:
         """The state after the last packet, which had this core."""
-        cliff, dock = self._cliff, self._dock
+        felt, cliff, dock = contacts(core), self._cliff, self._dock
         return BaseState(
             stamp=stamp,
-            bumpers=BUMPERS[core.bumper],
-            cliffs=CLIFFS[core.cliff],
+            bumpers=felt.bumpers,
+            cliffs=felt.cliffs,
             cliff_counts=(cliff.left, cliff.centre, cliff.right),
-            wheel_drops=WHEEL_DROPS[core.wheel_drop],
-            overcurrents=OVERCURRENTS[core.overcurrent],
+            wheel_drops=felt.wheel_drops,
+            overcurrents=felt.overcurrents,
             currents=self._current,
             buttons=BUTTONS[core.buttons],
             battery_voltage=core.battery,

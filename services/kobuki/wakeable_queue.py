@@ -13,7 +13,7 @@ Job = Callable[[], None]
 ROOM = 64  # jobs that may wait, of each kind
 
 
-class Jobs:
+class WakeableQueue:
     """Three queues with one bell that can be waited for like a port, so that one wait, and one thread, serves all.
 
     Urgent jobs, such as a stop, come first and are never lost. A job with a key gives way to the next one with that
@@ -27,7 +27,7 @@ class Jobs:
         self._bell = os.eventfd(0, os.EFD_NONBLOCK | os.EFD_CLOEXEC)
 
     def put_urgent(self, job: Job) -> None:
-        """Add a job that is done before all others; its caller waits for it, so that there are never many."""
+        """Add a job that is done before all others; its caller waits for it, so there are never many."""
         self._urgent.append(job)
         self._ring()
 

@@ -18,7 +18,7 @@ def serve(service: Service[NegativeConfig]) -> None:
     negative_scans(WARMUP_IMAGE, config)
     compile_others = threading.Thread(target=negative_scans, args=(WARMUP_IMAGE, config, RUN), daemon=True)
     compile_others.start()
-    publishers = {method: service.publisher(topics.scan_negative(method)) for method in RUN}
+    publishers = {method: service.publisher(topics.SCAN_OF_METHOD.named(method)) for method in RUN}
     combined = service.publisher(topics.SCAN_NEGATIVE)
     for image in service.newest(topics.DEPTH):
         scans = negative_scans(image, config, [method for method in RUN if publishers[method].has_subscribers])

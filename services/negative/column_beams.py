@@ -6,9 +6,9 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from cliffscan.common.contract.beam_fields import Beams
 from cliffscan.common.contract.beam_grid import Grid
 from cliffscan.common.contract.camera import Floats
-from cliffscan.common.perception.combine import Beams
 
 
 def beams_of_columns(
@@ -28,7 +28,10 @@ def beams_of_columns(
     leads over several azimuths if the camera is pitched; what it found doubtful holds from where it was sure last,
     at `doubted` [rad].
     """
-    return Beams(*_tell(azimuths, widths, ranges, evidence, clear, doubted, grid.beams, grid.angle_min, grid.increment))
+    nearest, why, free = _tell(
+        azimuths, widths, ranges, evidence, clear, doubted, grid.beams, grid.angle_min, grid.increment
+    )
+    return Beams(ranges=nearest, intensities=why, clear=free)
 
 
 @njit(cache=True)

@@ -11,14 +11,14 @@ from cliffscan.common.contract.camera import Affine, Floats
 from cliffscan.common.perception.point_heights import Metres
 from cliffscan.services.negative.floor_following import End
 
-DROP, LOST, UNSEEN = np.float32(End.DROP), np.float32(End.LOST), np.float32(End.UNSEEN)
+DROP, NO_RETURN, UNVERIFIED = np.float32(End.DROP), np.float32(End.NO_RETURN), np.float32(End.UNVERIFIED)
 SIDE = 4  # columns to either side whose floor levels a column's is averaged with,
 AGREE = 0.01  # [m] if they agree so well: noise in the level is noise in the edge
 NARROWEST = 0.03  # [m] what fewer columns side by side saw is noise
 
 
 @njit(cache=True, error_model="numpy")
-def places(
+def locate_edges(
     end: Metres,
     row: Metres,
     level: Metres,
@@ -41,10 +41,10 @@ def places(
     more_aside = left.columns[1] - left.columns[0]
     for u in range(columns):
         height = float(level[u])
-        if (end[u] == DROP or end[u] == LOST) and row[u] >= 0:
+        if (end[u] == DROP or end[u] == NO_RETURN) and row[u] >= 0:
             total, many = 0.0, 0
             for other in range(max(u - SIDE, 0), min(u + SIDE + 1, columns)):
-                alike = (end[other] == DROP or end[other] == LOST) and row[other] >= 0
+                alike = (end[other] == DROP or end[other] == NO_RETURN) and row[other] >= 0
                 total += level[other] if alike else 0.0
                 many += alike
             height = total / many if abs(total / many - level[u]) < AGREE else height
@@ -65,8 +65,8 @@ def places(
 
 
 @njit(cache=True)
-def take_back(end: Metres, ranges: Floats, widths: Floats, alone: bool, lost_counts: bool) -> None:
-    """Make UNSEEN, in place, what too few columns side by side saw, and floor lost that is not to count.
+def reject_unreliable(end: Metres, ranges: Floats, widths: Floats, alone: bool, lost_counts: bool) -> None:
+    """Make UNVERIFIED, in place, what too few columns side by side saw, and floor lost that is not to count.
 
     ranges [m] and widths [rad] of the columns: (columns,) each; lost_counts: whether floor lost counts, and alone:
     whether it does without a drop that is seen beside it.
@@ -74,13 +74,13 @@ def take_back(end: Metres, ranges: Floats, widths: Floats, alone: bool, lost_cou
     first, columns = 0, len(end)
     while first < columns:
         stop, across, drop = first, 0.0, False
-        while stop < columns and (end[stop] == DROP or end[stop] == LOST):
+        while stop < columns and (end[stop] == DROP or end[stop] == NO_RETURN):
             across, drop = across + widths[stop] * ranges[stop], drop or end[stop] == DROP
             stop += 1
         within = first > 0 and stop < columns
         narrow = within and across < NARROWEST
         ignored = not lost_counts or not (alone or drop)
         for u in range(first, stop):
-            if narrow or (ignored and end[u] == LOST):
-                end[u] = UNSEEN
+            if narrow or (ignored and end[u] == NO_RETURN):
+                end[u] = UNVERIFIED
         first = stop + 1

@@ -10,7 +10,7 @@ from cliffscan.common.contract.camera import Camera
 from cliffscan.common.contract.message import ListAsTuple
 from cliffscan.common.perception.scans import ScanConfig, steepest_rise
 from cliffscan.common.runtime.config import Profiles
-from cliffscan.services.negative.floor_following import Limits
+from cliffscan.services.negative.floor_following import FloorCriteria
 from cliffscan.services.negative.near_edge import FloorLost
 
 Method = Literal["farthest_point", "virtual_floor", "near_edge"]
@@ -50,10 +50,10 @@ class NegativeConfig(ScanConfig):
             raise ValueError("methods: one is named twice")
         return self
 
-    def limits(self, camera: Camera) -> Limits:
+    def criteria(self, camera: Camera) -> FloorCriteria[float]:
         """What near_edge takes for floor in images of a camera."""
         near, far = camera.range
         slope = steepest_rise(self.steepest)
-        return Limits(
+        return FloorCriteria(
             near, min(TRUSTED * far, self.sight), self.noise, self.grazing, slope, self.least_drop, self.least_gap
         )

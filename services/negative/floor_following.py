@@ -1,9 +1,28 @@
-"""Following the floor outward from the robot, in all columns of the image at once, until it ends or leaves the view."""
+r"""Following the floor outward in all columns of the image at once; its slow twin is tests/naive_trace.py.
+
+A column's rows are looked at from near to far. `level` is how high the floor was where it was seen last. What a row
+shows is floor, or lies below or above what floor can be there, or is missing. A column is GOING until one row ends it:
+
+   camera
+     o
+    /|\ ` .                     ________ . . . .   floor, up to the sensor's range     REACHED_RANGE
+   / | \   ` .                                     ... or it was not seen throughout   UNVERIFIED
+  /  |  \     ` .               ________
+ /   |   \       ` .                    |_______   DEEP_ROWS below by over a step,
+/    |    \         ` .                            or STEP_ROWS below, or floor beyond  DROP
+_____|_____\__________` .              ________
+                                       |           OBSTACLE_ROWS above                 OCCLUDED
+     row by row ---->           _______|
+                                ________  ? ? ?    no return over criteria.gap         NO_RETURN
+
+Floor that begins late or at a strange height, or goes on beyond a gap, may be another floor: the column is followed on,
+but its floor is sure up to sure_row alone.
+"""
 
 from __future__ import annotations
 
 from enum import IntEnum
-from typing import NamedTuple
+from typing import Generic, NamedTuple, TypeVar
 
 import numpy as np
 from numba import njit
@@ -13,57 +32,75 @@ from cliffscan.common.contract.camera import Affine
 from cliffscan.common.perception.point_heights import Metres
 
 Rows = NDArray[np.int32]
+N = TypeVar("N", float, np.float32)
+f32 = np.float32
 
 
 class End(IntEnum):
-    """Why the trace of a column ended."""
+    """Why a column's floor was followed no farther."""
 
-    GOING = -1  # it has not
-    SIGHT = 0  # the floor goes on to where the sensor sees none
+    GOING = -1  # it still is
+    REACHED_RANGE = 0  # the floor goes on to where the sensor sees none
     DROP = 1  # a surface below the floor was seen
-    LOST = 2  # no data where the floor must be visible
-    HIDDEN = 3  # something stands in the way
-    UNSEEN = 4  # the floor was not seen throughout
+    NO_RETURN = 2  # no data where the floor must be visible
+    OCCLUDED = 3  # something stands in the way
+    UNVERIFIED = 4  # the floor was not seen throughout
 
 
-class Limits(NamedTuple):
-    """What the sensor can do, and what a floor is."""
+class FloorCriteria(NamedTuple, Generic[N]):
+    """What the sensor can do, and what a floor is, as configured; the gates below are fixed."""
 
-    near: float  # [m] of depth, from which
-    far: float  # [m] and up to which the sensor measures floor
-    noise: float  # [1/m] standard deviation of the inverse depth, steps included
-    grazing: float  # sine of the angle to a surface below which it may return nothing
-    slope: float  # rise or fall per metre of the steepest floor
-    step: float  # [m] of rise or fall beyond which a surface is no floor
-    gap: float  # [m] of floor without a return that is more than chance
+    near: N  # [m] of depth, from which
+    far: N  # [m] and up to which the sensor measures floor
+    noise: N  # [1/m] standard deviation of the inverse depth, steps included
+    grazing: N  # sine of the angle to a surface below which it may return nothing
+    slope: N  # rise or fall per metre of the steepest floor
+    step: N  # [m] of rise or fall beyond which a surface is no floor
+    gap: N  # [m] of floor without a return that is more than chance
 
+
+def single(criteria: FloorCriteria[float]) -> FloorCriteria[np.float32]:
+    """The same in single precision, as floor_trace takes it."""
+    return FloorCriteria(*map(np.float32, criteria))
+
+
+# One gate a test, in this file for numba's sake: it compiles them in, and compiles anew when this file changes.
+# Below the floor: a drop, or a step down that may be driven
+BELOW_SIGMAS = f32(6.0)  # a height that is lower by more sigmas of noise is below,
+HOLE_LENGTH = f32(0.2)  # [m] or by what a hole so long along the beam shows of its far side,
+HOLE_SHARE = f32(0.6)  # this share of what geometry has it,
+UNEVEN = f32(0.012)  # [m] and no less than a flat floor rises and falls from row to row, and sensors err
+DEEP_SIGMAS = f32(4.0)  # far below, if by a step and more sigmas than that
+DEEP_ROWS = f32(2.0)  # rows far below that make a drop
+STEP_ROWS = f32(5.0)  # rows below that tell a drop from a step down
+STRONG_FALL, STRONG_ROWS = f32(1.25), f32(1.1)  # times the least fall, from which a row counts for that many
+BESIDE_ROWS = f32(1.0)  # more rows below than that, and then floor again, are a hole
+# Above the floor: an obstacle
+ABOVE_SIGMAS = f32(4.0)  # a height that is higher by a step and more sigmas of noise is above
+OBSTACLE_ROWS = f32(2.0)  # rows above that make an obstacle
+# No return
+NO_RETURN_ROWS = f32(4.0)  # rows without floor that are chance
+NO_RETURN_ROUGHNESS = f32(4.0)  # noises; a floor rougher than that may return nothing
+# Unverified, and doubtful
+RECENT_ROWS = f32(4.0)  # rows ago that floor must have been seen where it leaves the sensor's range
+SKIPPED_ROWS, SKIPPED_LENGTH = f32(4.0), f32(0.05)  # rows and [m] without floor beyond which it may be another
+LATE_DEPTH = f32(0.05)  # [m] beyond the nearest depth of floor; first seen farther, it may be another
+STRANGE_HEIGHT = f32(0.045)  # [m] above or below the plane; first seen there, it may be another
+# The floor as it goes on
+LEVEL_GAIN = f32(0.5)  # of a new height in the floor's level
+INCLINE_LENGTH = f32(0.3)  # [m] of floor over which its incline is known
+ROUGHNESS_GAIN = f32(0.2)  # of a new deviation in the floor's roughness
+SIGMA_OF_DEVIATION = f32(1.25)  # standard deviations in a mean deviation
+ROUGH_FROM, ROUGH_MOST = f32(2.5), f32(6.0)  # noises from which roughness counts in noise's place, and its most
+UNSEEN_SLOPE = f32(0.0875)  # that the floor may have before the camera sees it
 
 # All state is float32, rows and counts as well: lanes of one width are what the processor's vectors are made of.
-ZERO, ONE, HALF, NAN = np.float32(0.0), np.float32(1.0), np.float32(0.5), np.float32(np.nan)
-BEFORE = np.float32(-2.0)
-GOING, SIGHT, DROP, LOST, HIDDEN, UNSEEN = (np.float32(end) for end in End)
-
-SURE = np.float32(2.0)  # rows that make a deep drop, or an obstacle
-SETTLED = np.float32(5.0)  # rows that tell a drop from a step down that may be driven
-SPECKLE = np.float32(4.0)  # rows without returns that are chance
-
-GAIN = HALF  # of a new height in the floor's level
-MEMORY = np.float32(0.3)  # [m] of floor over which its slope is known
-QUICKLY = np.float32(0.2)  # gain of a new deviation in the floor's roughness
-SPREAD = np.float32(1.25)  # standard deviations in a mean deviation
-FEW, SOME, MANY = np.float32(2.5), np.float32(4.0), np.float32(6.0)  # standard deviations
-SHORTEST = np.float32(0.2)  # [m] of hole along a beam that must be found: its far side shows over a height of
-SHOWN = np.float32(0.6)  # this share of what geometry has it
-STRONG, MORE = np.float32(1.25), np.float32(1.1)  # a fall so much beyond noise counts as more than one row
-UNEVEN = np.float32(0.012)  # [m] that a flat floor rises and falls from row to row, and sensors err
-UNSEEN_SLOPE = np.float32(0.0875)  # that the floor may have before the camera sees it
-LATE = np.float32(0.05)  # [m] of depth without floor at the near end that is more than chance
-UNVERIFIED = np.float32(0.05)  # [m] of floor without a return beyond which nobody knows whether it is there
-DOUBT = np.float32(0.045)  # [m] above or below the plane, where what is first seen may be another floor
+ZERO, ONE, HALF, NAN, NOWHERE = f32(0.0), f32(1.0), f32(0.5), f32(np.nan), f32(-1.0)
+GOING, REACHED_RANGE, DROP, NO_RETURN, OCCLUDED, UNVERIFIED = (f32(end) for end in End)
 
 
 @njit(cache=True, error_model="numpy")
-def fill(heights: Metres, row: int, step: np.float32, filled: Metres) -> None:
+def fill_speckle(heights: Metres, row: int, step: np.float32, filled: Metres) -> None:
     """A row's heights; where one is missing, the middle of its neighbours' if they agree. Speckle is no gap."""
     for u in range(len(filled)):
         filled[u] = heights[row, u]
@@ -78,134 +115,159 @@ def fill(heights: Metres, row: int, step: np.float32, filled: Metres) -> None:
 
 
 @njit(cache=True, error_model="numpy")
+def row_allowances(
+    middle_rate: np.float32, camera_height: np.float32, criteria: FloorCriteria[np.float32]
+) -> tuple[np.float32, np.float32, np.float32]:
+    """What a hole shows of its far side at least [m], and how far floor falls and rises per metre along a row.
+
+    middle_rate: what the middle column's ray loses in height per metre of depth; it stands for the whole row.
+    """
+    steep = max(middle_rate, criteria.grazing)
+    shown = min(HOLE_SHARE * HOLE_LENGTH * camera_height / (camera_height / steep + HOLE_LENGTH), criteria.step)
+    fallable = min(criteria.slope, steep - criteria.grazing)
+    falls = fallable * steep / (steep - fallable)
+    return max(shown, UNEVEN), falls, criteria.slope * steep / (steep + criteria.slope)
+
+
+@njit(cache=True, error_model="numpy")
 def floor_trace(
     heights: Metres,
     order: Rows,
     rates: Affine,
     camera_height: np.float32,
-    limits: Metres,
+    criteria: FloorCriteria[np.float32],
 ) -> tuple[Metres, Metres, Metres, Metres, Metres]:
     """What became of the floor in each column: its End, and two rows with the floor's height [m] there; all (columns,).
 
     The first row is where floor was last seen or, of a drop before any floor, the first that was looked at; the second
     is up to where floor was seen without a gap or a doubt; -1 = nowhere.
     heights: (rows, columns) [m] as Points has them; order: the rows to look at, near to far; rates: what a ray loses in
-    height per metre of depth, float32; camera_height [m]; limits: those of Limits, in their order.
+    height per metre of depth, float32; camera_height [m]; criteria: in single precision.
     """
-    near, far, noise, grazing = limits[0], limits[1], limits[2], limits[3]
-    slope, step, least_gap = limits[4], limits[5], limits[6]
+    near, far, noise, grazing, step = criteria.near, criteria.far, criteria.noise, criteria.grazing, criteria.step
     columns = heights.shape[1]
-    filled, level = np.empty(columns, np.float32), np.empty(columns, np.float32)
-    incline, rough = np.empty(columns, np.float32), np.empty(columns, np.float32)
-    end, last, sure = np.empty(columns, np.float32), np.empty(columns, np.float32), np.empty(columns, np.float32)
-    sure_level = np.empty(columns, np.float32)
-    doubtful = np.empty(columns, np.float32)  # 0, or the row where floor was last sure, less BEFORE
-    below, deep, above = np.empty(columns, np.float32), np.empty(columns, np.float32), np.empty(columns, np.float32)
-    for u in range(columns):
-        level[u], incline[u], rough[u] = ZERO, ZERO, noise
-        end[u], last[u], doubtful[u], sure_level[u] = GOING, GOING, ZERO, ZERO
-        below[u], deep[u], above[u] = ZERO, ZERO, ZERO
+    filled = np.empty(columns, np.float32)
+    # the state of each column
+    end = np.full(columns, GOING)
+    floor_row, sure_row = np.full(columns, NOWHERE), np.full(columns, NOWHERE)  # they differ once floor is doubtful
+    level, sure_level = np.zeros(columns, np.float32), np.zeros(columns, np.float32)  # [m] of the floor at these rows
+    incline = np.zeros(columns, np.float32)  # rise per metre
+    roughness = np.full(columns, noise)  # [1/m] of inverse depth, as noise
+    rows_below, rows_deep = np.zeros(columns, np.float32), np.zeros(columns, np.float32)  # since floor was seen
+    rows_above = np.zeros(columns, np.float32)
     outward = ONE if rates.rows[0] < rates.rows[1] else -ONE
     spread = abs(rates.rows[1] - rates.rows[0]) / camera_height
     per_deviation = ONE / (camera_height * camera_height)
     middle = rates.columns[columns // 2]
-    nearest = max(near, camera_height / max(middle + rates.rows[order[0]], grazing)) + LATE
+    latest = max(near, camera_height / max(middle + rates.rows[order[0]], grazing)) + LATE_DEPTH
     at = ZERO
     for index in range(len(order)):
         row = order[index]
         rate_row = rates.rows[row]
-        # what the middle column's sight says for the row: a hole's far side, and a floor's rise and fall per metre
-        steep = max(middle + rate_row, grazing)
-        shown = min(SHOWN * SHORTEST * camera_height / (camera_height / steep + SHORTEST), step)
-        shown = max(shown, UNEVEN)
-        fallable = min(slope, steep - grazing)
-        falls, rises = fallable * steep / (steep - fallable), slope * steep / (steep + slope)
-        fill(heights, row, step, filled)
+        shown, falls, rises = row_allowances(middle + rate_row, camera_height, criteria)
+        fill_speckle(heights, row, step, filled)
         at = np.float32(row)
         for u in range(columns):
-            # the state of the trace
-            h, lv, inc, ro = filled[u], level[u], incline[u], rough[u]
-            la, ended_as, doubt = last[u], end[u], doubtful[u]
-            bl, dp, ab = below[u], deep[u], above[u]
-            active, started, missing = ended_as < ZERO, la >= ZERO, h != h
+            height, ended, last_row, last_sure = filled[u], end[u], floor_row[u], sure_row[u]
+            last_level, last_incline, last_rough = level[u], incline[u], roughness[u]
+            below, deep, above = rows_below[u], rows_deep[u], rows_above[u]
+            active, started, missing = ended < ZERO, last_row >= ZERO, height != height
+            doubtful = last_sure != last_row
 
             # where the floor would be seen, and how far that is from where it last was
             rate = rates.columns[u] + rate_row
-            depth = (camera_height - lv) / rate
-            rows_since = (la - at) * outward if started else ONE
+            depth = (camera_height - last_level) / rate
+            rows_since = (last_row - at) * outward if started else ONE
             since = rows_since * depth * depth * spread
-            falling = inc if inc < ZERO else ZERO
-            sight = (rate > ZERO) & (depth <= far) & (rate >= grazing) & ((not missing) | (rate + falling >= grazing))
-            looking = active & sight & (depth >= near)
+            falling = last_incline if last_incline < ZERO else ZERO
+            in_range = (
+                (rate > ZERO) & (depth <= far) & (rate >= grazing) & ((not missing) | (rate + falling >= grazing))
+            )
+            looking = active & in_range & (depth >= near)
 
             # how far it may have risen or fallen since, and how far noise takes a height
             may_fall, may_rise = falls * since, rises * since
             deviation = depth * camera_height
-            sigma = (ro if ro > FEW * noise else noise) * deviation
+            sigma = (last_rough if last_rough > ROUGH_FROM * noise else noise) * deviation
             slack = may_fall + (ZERO if started else UNSEEN_SLOPE * depth)
-            chance = MANY * sigma
-            small = slack + (chance if chance > shown else shown)
-            large = slack + step + SOME * sigma
-            high = may_rise + step + SOME * noise * deviation
+            chance = BELOW_SIGMAS * sigma
+            least_fall = slack + (chance if chance > shown else shown)
+            deep_fall = slack + step + DEEP_SIGMAS * sigma
+            least_rise = may_rise + step + ABOVE_SIGMAS * noise * deviation
 
-            # what is seen instead
-            fall = lv - h
-            is_below = looking & (fall > small)
-            is_above = looking & (-fall > high)
-            is_floor = looking & (fall <= small) & (-fall <= high)
-            was_below = bl > ONE
-            bl = bl + (MORE if fall > STRONG * small else ONE) if is_below else bl
-            dp = dp + ONE if is_below & (fall > large) else dp
-            ab = ab + ONE if is_above else ab
-            settled = is_below & (bl >= SETTLED) & (dp < ONE)
+            # what is seen
+            fall = last_level - height
+            is_below = looking & (fall > least_fall)
+            is_above = looking & (-fall > least_rise)
+            is_floor = looking & (fall <= least_fall) & (-fall <= least_rise)
+            was_below = below > BESIDE_ROWS
+            below = below + (STRONG_ROWS if fall > STRONG_FALL * least_fall else ONE) if is_below else below
+            deep = deep + ONE if is_below & (fall > deep_fall) else deep
+            above = above + ONE if is_above else above
+            settled = is_below & (below >= STEP_ROWS) & (deep < ONE)
             step_down = settled & (fall <= step)
-            gap = started & (rows_since > SPECKLE) & (since > least_gap) & (ro < SOME * noise)
+            gap = started & (rows_since > NO_RETURN_ROWS) & (since > criteria.gap)
+            gap = gap & (last_rough < NO_RETURN_ROUGHNESS * noise)
 
-            # why the trace ends, if it does
-            drop = (is_below & (dp >= SURE)) | (settled & (fall > step)) | (is_floor & was_below & started)
-            hidden = is_above & (ab >= SURE)
-            unseen = (not started) | (doubt > ZERO) | (rows_since > SPECKLE)
-            verdict = GOING if sight else (UNSEEN if unseen else SIGHT)
-            verdict = (LOST if gap else HIDDEN) if hidden else verdict
-            verdict = LOST if looking & missing & gap else verdict
+            # why the column ends, if it does
+            drop = (is_below & (deep >= DEEP_ROWS)) | (settled & (fall > step)) | (is_floor & was_below & started)
+            occluded = is_above & (above >= OBSTACLE_ROWS)
+            unverified = (not started) | doubtful | (rows_since > RECENT_ROWS)
+            verdict = GOING if in_range else (UNVERIFIED if unverified else REACHED_RANGE)
+            verdict = (NO_RETURN if gap else OCCLUDED) if occluded else verdict
+            verdict = NO_RETURN if looking & missing & gap else verdict
             verdict = DROP if drop else verdict
-            ended_as = verdict if active else ended_as
 
-            # and how it goes on, if not
+            # and how the floor goes on, if not
             take = (is_floor | step_down) & (not drop)
             smooth = is_floor & take
-            strange = (depth > nearest) | (h > DOUBT) | (h < -DOUBT) | (bl > ZERO)
-            skipped = (rows_since > SPECKLE) & (since > UNVERIFIED)
-            new_doubt = take & (skipped if started else strange)
+            strange = (depth > latest) | (height > STRANGE_HEIGHT) | (height < -STRANGE_HEIGHT) | (below > ZERO)
+            skipped = (rows_since > SKIPPED_ROWS) & (since > SKIPPED_LENGTH)
+            sure = take & (not doubtful) & (not (skipped if started else strange))
             away = fall if fall > ZERO else -fall
-            new_rough = ro + QUICKLY * (SPREAD * away * rate * per_deviation - ro)
-            new_rough = new_rough if new_rough > noise else noise
-            new_rough = new_rough if new_rough < MANY * noise else MANY * noise
-            change = -GAIN * fall
+            rough = last_rough + ROUGHNESS_GAIN * (SIGMA_OF_DEVIATION * away * rate * per_deviation - last_rough)
+            rough = rough if rough > noise else noise
+            rough = rough if rough < ROUGH_MOST * noise else ROUGH_MOST * noise
+            change = -LEVEL_GAIN * fall
             change = change if change > -may_fall else -may_fall
             change = change if change < may_rise else may_rise
             change = change if started else -fall
-            inc = inc + (change - inc * since) / MEMORY if smooth & started else inc
-            new_level = h if step_down else lv + change
+            inclined = last_incline + (change - last_incline * since) / INCLINE_LENGTH
+            new_level = height if step_down else last_level + change
 
-            level[u], incline[u], rough[u] = new_level if take else lv, inc, new_rough if smooth else ro
-            last[u] = at if take else (BEFORE - at if looking & (la == GOING) else la)
-            below[u], deep[u], above[u] = ZERO if take else bl, ZERO if take else dp, ZERO if take else ab
-            before = la if started else GOING
-            doubtful[u] = before - BEFORE if new_doubt & (doubt == ZERO) else doubt
-            sure_level[u] = lv if doubt == ZERO else sure_level[u]
-            end[u] = ended_as
+            end[u] = verdict if active else ended
+            floor_row[u] = at if take else last_row
+            level[u] = new_level if take else last_level
+            sure_row[u] = at if sure else last_sure
+            sure_level[u] = (
+                sure_level[u] if doubtful else last_level
+            )  # before this row, which may be the first in doubt
+            incline[u] = inclined if smooth & started else last_incline
+            roughness[u] = rough if smooth else last_rough
+            rows_below[u], rows_deep[u] = ZERO if take else below, ZERO if take else deep
+            rows_above[u] = ZERO if take else above
         going = 0
         for u in range(columns):
             going += 1 if end[u] < ZERO else 0
         if going == 0:
             break
     for u in range(columns):
-        if end[u] < ZERO:
-            seen = last[u] >= ZERO and doubtful[u] == ZERO and (last[u] - at) * outward <= SPECKLE
-            end[u] = SIGHT if seen else UNSEEN
-        sure[u] = max(last[u], GOING) if doubtful[u] == ZERO else doubtful[u] + BEFORE
-        sure_level[u] = level[u] if doubtful[u] == ZERO else sure_level[u]
-        if last[u] <= BEFORE:
-            last[u] = BEFORE - last[u] if end[u] == DROP else GOING
-    return end, last, level, sure, sure_level
+        if end[u] == GOING:
+            recent = floor_row[u] >= ZERO and (floor_row[u] - at) * outward <= RECENT_ROWS
+            end[u] = REACHED_RANGE if recent and sure_row[u] == floor_row[u] else UNVERIFIED
+        if sure_row[u] == floor_row[u]:
+            sure_level[u] = level[u]
+        if end[u] == DROP and floor_row[u] == NOWHERE:
+            floor_row[u] = first_row(order, rates.columns[u], rates.rows, camera_height, near)
+    return end, floor_row, level, sure_row, sure_level
+
+
+@njit(cache=True, error_model="numpy")
+def first_row(
+    order: Rows, rate: np.float32, row_rates: Metres, camera_height: np.float32, near: np.float32
+) -> np.float32:
+    """The first row at which the sensor measures floor of the plane; -1 where there is none. rate: of the column."""
+    for row in order:
+        if camera_height / (rate + row_rates[row]) >= near:
+            return np.float32(row)
+    return NOWHERE

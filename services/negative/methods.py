@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 
+from cliffscan.common.contract.beam_fields import Beams
 from cliffscan.common.contract.evidence import Evidence
 from cliffscan.common.contract.messages import DepthImage
-from cliffscan.common.perception.combine import Beams
+from cliffscan.common.perception.combine import beams_with, within
 from cliffscan.common.perception.point_heights import Points
 from cliffscan.common.perception.scans import points
 from cliffscan.services.negative.config import Method, NegativeConfig
@@ -16,16 +17,16 @@ from cliffscan.services.negative.virtual_floor import virtual_floor
 
 
 def _farthest_point(seen: Points, config: NegativeConfig) -> Beams:
-    return Beams.of(farthest_point(seen, config.grid(), config.floor_band), Evidence.FARTHEST_FLOOR)
+    return beams_with(farthest_point(seen, config.grid(), config.floor_band), Evidence.FARTHEST_FLOOR)
 
 
 def _virtual_floor(seen: Points, config: NegativeConfig) -> Beams:
-    return Beams.of(virtual_floor(seen, config.grid(), config.floor_band), Evidence.DROP)
+    return beams_with(virtual_floor(seen, config.grid(), config.floor_band), Evidence.DROP)
 
 
 def _near_edge(seen: Points, config: NegativeConfig) -> Beams:
-    limits = config.limits(seen.view.camera)
-    return near_edge(seen, config.grid(), limits, config.floor_lost, config.baseline)
+    criteria = config.criteria(seen.view.camera)
+    return near_edge(seen, config.grid(), criteria, config.floor_lost, config.baseline)
 
 
 RUN: dict[Method, Callable[[Points, NegativeConfig], Beams]] = {
@@ -39,4 +40,4 @@ def beams_by_method(image: DepthImage, config: NegativeConfig, methods: Iterable
     """What each of these methods finds in `image`."""
     seen = points(image, config, lower_than=config.floor_band)
     reach = config.reach(image.camera)
-    return {method: RUN[method](seen, config).within(reach) for method in methods}
+    return {method: within(RUN[method](seen, config), reach) for method in methods}

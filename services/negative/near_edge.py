@@ -12,14 +12,14 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from cliffscan.common.contract.beam_fields import Beams
 from cliffscan.common.contract.beam_grid import Grid
 from cliffscan.common.contract.evidence import Evidence
-from cliffscan.common.perception.combine import Beams
 from cliffscan.common.perception.image_region import View
 from cliffscan.common.perception.point_heights import Points
 from cliffscan.services.negative.column_beams import beams_of_columns
-from cliffscan.services.negative.column_edges import places, take_back
-from cliffscan.services.negative.floor_following import End, Limits, floor_trace
+from cliffscan.services.negative.column_edges import locate_edges, reject_unreliable
+from cliffscan.services.negative.floor_following import End, FloorCriteria, floor_trace, single
 from cliffscan.services.negative.shadow import shadowed
 
 FloorLost = Literal["counts", "beside_drop", "ignored"]
@@ -27,7 +27,9 @@ FloorLost = Literal["counts", "beside_drop", "ignored"]
 APART = 0.01  # [m] of floor between two rows that are looked at, where the image has more
 
 
-def near_edge(points: Points, grid: Grid, limits: Limits, floor_lost: FloorLost, baseline: float) -> Beams:
+def near_edge(
+    points: Points, grid: Grid, criteria: FloorCriteria[float], floor_lost: FloorLost, baseline: float
+) -> Beams:
     """Range [m] of the last floor before a drop in each beam, on what it rests, how far floor is clear: (beams,) each.
 
     +inf where floor was seen as far as the sensor sees it; NaN where it was not: behind an obstacle, in its shadow,
@@ -38,41 +40,43 @@ def near_edge(points: Points, grid: Grid, limits: Limits, floor_lost: FloorLost,
     view = points.view
     rates = view.up.single(-1.0)
     height = np.float32(view.camera.floor.d)
-    order = rows_outward(view, limits)
+    order = rows_outward(view, criteria)
     if not len(order):
         nothing = np.zeros(grid.beams, np.float32)
-        return Beams(np.full(grid.beams, np.nan, np.float32), nothing, nothing)
-    end, row, level, sure, sure_level = floor_trace(points.heights, order, rates, height, np.array(limits, np.float32))
+        return Beams(ranges=np.full(grid.beams, np.nan, np.float32), intensities=nothing, clear=nothing)
+    end, row, level, sure, sure_level = floor_trace(points.heights, order, rates, height, single(criteria))
     if not view.transposed:  # a camera on its side has its eyes one above the other
-        lost = np.flatnonzero(end == End.LOST)
+        lost = np.flatnonzero(end == End.NO_RETURN)
         outward = 1 if view.up.rows[1] > view.up.rows[0] else -1
         disparity = baseline * view.camera.intrinsics.fx
         rows = row[lost].astype(np.int64)
-        hidden = shadowed(points.heights, rates, height, lost, rows, outward, disparity, limits.near)
-        end[lost[hidden]] = End.HIDDEN
-    azimuths, widths, ranges, clear, doubted = places(
+        hidden = shadowed(points.heights, rates, height, lost, rows, outward, disparity, criteria.near)
+        end[lost[hidden]] = End.OCCLUDED
+    azimuths, widths, ranges, clear, doubted = locate_edges(
         end, row, level, sure, sure_level, view.forward, view.left, view.up, view.camera.floor.d
     )
-    take_back(end, ranges, widths, floor_lost == "counts", floor_lost != "ignored")
+    reject_unreliable(end, ranges, widths, floor_lost == "counts", floor_lost != "ignored")
     meaning = end.astype(np.int8)
-    ranges = np.where(TELLS[meaning] > 0.0, ranges, QUIET[meaning])
-    return beams_of_columns(azimuths, widths, ranges, TELLS[meaning], clear, doubted, grid)
+    ranges = np.where(EVIDENCE[meaning] > 0.0, ranges, WITHOUT_NUMBER[meaning])
+    return beams_of_columns(azimuths, widths, ranges, EVIDENCE[meaning], clear, doubted, grid)
 
 
-TELLS, QUIET = np.zeros(len(End)), np.full(len(End), np.nan)  # the evidence of each End, and what it says without
-TELLS[End.DROP], TELLS[End.LOST], QUIET[End.SIGHT] = Evidence.DROP, Evidence.FLOOR_LOST, np.inf
+EVIDENCE = np.zeros(len(End))  # of each End; 0: it makes no number
+EVIDENCE[End.DROP], EVIDENCE[End.NO_RETURN] = Evidence.DROP, Evidence.FLOOR_LOST
+WITHOUT_NUMBER = np.full(len(End), np.nan)  # what the others make
+WITHOUT_NUMBER[End.REACHED_RANGE] = np.inf
 
 
 @lru_cache(maxsize=4)
-def rows_outward(view: View, limits: Limits) -> NDArray[np.int32]:
-    """The rows of a view that see floor within the limits, near to far, each at least APART beyond the one before."""
+def rows_outward(view: View, criteria: FloorCriteria[float]) -> NDArray[np.int32]:
+    """The rows of a view that see floor within the criteria, near to far, each at least APART beyond the one before."""
     rows = np.arange(view.shape[0])
     if view.up.rows[0] > view.up.rows[1]:
         rows = rows[::-1]
     rate = -(view.up.rows[rows, None] + view.up.columns[None, [0, len(view.up.columns) // 2, -1]])
     inverse = rate / view.camera.floor.d
-    floor = np.any((inverse > 0.5 / limits.far) & (rate > 0.0), axis=1)
-    steps = np.floor(1.0 / (APART * np.maximum(inverse, 0.5 / limits.far)))
+    floor = np.any((inverse > 0.5 / criteria.far) & (rate > 0.0), axis=1)
+    steps = np.floor(1.0 / (APART * np.maximum(inverse, 0.5 / criteria.far)))
     moved = np.any(np.diff(steps, axis=0, prepend=-1.0) != 0.0, axis=1)
     chosen: NDArray[np.int32] = rows[floor & moved].astype(np.int32)
     return chosen

@@ -9,8 +9,9 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
+from cliffscan.common.contract.beam_fields import Ranges
 from cliffscan.common.contract.beam_grid import Grid
-from cliffscan.common.perception.beam_reduction import LOOKED, NOTHING, Indices, Ranges, least, sight_of
+from cliffscan.common.perception.beam_reduction import LOOKED, NOTHING, Indices, least, sight_of
 from cliffscan.common.perception.point_heights import Metres, Points
 from cliffscan.services.positive.first_sight import first_floor
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from cliffscan.common.contract.evidence import Evidence
 from cliffscan.common.contract.messages import DepthImage, LaserScan
-from cliffscan.common.perception.combine import Beams
+from cliffscan.common.perception.combine import beams_with, within
 from cliffscan.common.perception.scans import laser_scan, points
 from cliffscan.services.positive.config import PositiveConfig
 from cliffscan.services.positive.projection import projection
@@ -14,4 +14,4 @@ def positive_scan(image: DepthImage, config: PositiveConfig) -> LaserScan:
     """The nearest obstacle in each beam."""
     seen = points(image, config, lower_than=config.robot_height)
     ranges = projection(seen, config.grid(), config.floor_band, config.robot_height, config.slope)
-    return laser_scan(image, Beams.of(ranges, Evidence.POSITIVE).within(config.reach(image.camera)), config)
+    return laser_scan(image, within(beams_with(ranges, Evidence.POSITIVE), config.reach(image.camera)), config)

@@ -1,4 +1,4 @@
-"""Getting to know the base: it says which firmware it has before anything moves."""
+"""Getting to know the base: it reports its firmware before anything moves."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ log = logging.getLogger(__name__)
 
 
 class Handshake:
-    """What the base has told of itself. Nothing is written before it has said something."""
+    """What the base has reported of itself. Nothing is written before it has sent something."""
 
     def __init__(self) -> None:
         self.firmware: Version | None = None
@@ -31,8 +31,8 @@ class Handshake:
         """Whether the base may be driven."""
         return self.firmware is not None and not self.refused
 
-    def hear(self, feedback: Feedback) -> bool:
-        """Take in a packet; true for the one that told the firmware."""
+    def receive(self, feedback: Feedback) -> bool:
+        """Take in a packet; true for the one that brought the firmware."""
         self.hardware = feedback.hardware or self.hardware
         self.udid = feedback.udid or self.udid
         if feedback.firmware is None or self.firmware is not None:
@@ -51,9 +51,9 @@ class Handshake:
         self._asked_at = now
         return commands.request_versions()
 
-    def told(self) -> Answer:
-        """What the base said of itself, as an answer."""
+    def answer(self) -> Answer:
+        """What the base reported of itself, as an answer."""
         if self.firmware is None:
-            return failed("the base has not told its version")
+            return failed("the base has not reported its version")
         names = {"firmware": self.firmware, "hardware": self.hardware, "udid": self.udid}
         return done(self.refused or "may be driven", **{key: str(value) for key, value in names.items() if value})

@@ -13,9 +13,10 @@ from benchmarks.falls.memory import Memory
 from benchmarks.falls.report import report, write
 from benchmarks.falls.sight import ENOUGH, MOST
 from benchmarks.falls.trial import Trial, outcome_of
+from cliffscan.common.contract.description import TURTLEBOT_2
 from cliffscan.common.contract.messages import LaserScan
-from cliffscan.safety.gate import REST, Decision
-from cliffscan.services.kobuki.config import KobukiConfig
+from cliffscan.safety.inputs import REST
+from cliffscan.safety.rules import Decision
 from cliffscan.simulator.world import Pose, World
 
 HOLE = 8  # a world in which the driver soon wants to cross a hole
@@ -107,7 +108,7 @@ def scan_of(ranges):
 
 def ranges_to_line(distance, beams=241):
     """Ranges [m] to a line across, that far [m] ahead of the robot."""
-    return (distance - KobukiConfig().camera_x) / np.cos(np.radians(np.linspace(-30.0, 30.0, beams)))
+    return (distance - TURTLEBOT_2.x) / np.cos(np.radians(np.linspace(-30.0, 30.0, beams)))
 
 
 def looked(*scans, times=1, pose=LOOKING):

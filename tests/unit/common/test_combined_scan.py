@@ -9,7 +9,7 @@ from numpy.testing import assert_array_equal
 from cliffscan.common.contract.camera import FloorPlane
 from cliffscan.common.contract.depth_codec import RAW
 from cliffscan.common.contract.messages import DepthImage
-from cliffscan.common.perception.combine import Beams, combine
+from cliffscan.common.perception.combine import combine
 from cliffscan.services.negative.__main__ import serve
 from cliffscan.services.negative.config import NegativeConfig
 from tests import build, scenes
@@ -34,9 +34,9 @@ def published(config, lost, monkeypatch):
 @pytest.mark.parametrize("methods", [PAPER, METHODS], ids=["paper", "all"])
 def test_it_is_the_combination_of_the_others(range_max, lost, methods, monkeypatch):
     scans, combined = published(NegativeConfig(range_max=range_max, methods=methods), lost, monkeypatch)
-    expected = combine([Beams(scan.ranges, scan.intensities, scan.clear) for scan in scans])
+    expected = combine(scans)
     assert_array_equal(combined.ranges, expected.ranges)
-    assert_array_equal(combined.intensities, expected.evidence)
+    assert_array_equal(combined.intensities, expected.intensities)
     assert_array_equal(combined.clear, expected.clear)
     assert bool(len(combined.clear)) == ("near_edge" in methods)
 

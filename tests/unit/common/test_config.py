@@ -152,6 +152,7 @@ def test_an_unknown_key_is_named(override):
 OUT_OF_BOUNDS = """
 capture.rate=0 capture.rate=-1 capture.rate=1001 capture.rate=inf capture.rate=nan capture.height=0 capture.height=21
 capture.pitch=87 capture.pitch=-87 capture.roll=181 capture.device=-1 capture.device=1.5 capture.source=webcam
+capture.x=6 capture.y=-6 capture.yaw=181
 capture.range=[0.5] capture.range=[1,2,3] capture.range=0.5 capture.intrinsics=[1,2,3]
 capture.intrinsics=[0,1,1,1] capture.range=[inf,1] capture.depth_mode=10bit capture.loop=2 capture.seed=-1
 negative.beams=1 negative.beams=20001 negative.beams=64.5 negative.field_of_view=0 negative.field_of_view=180

@@ -69,6 +69,11 @@ def test_a_camera_that_sees_no_floor_says_so():
     assert told.field_of_view == (0.0, 0.0)
 
 
+def test_floor_right_below_the_camera_is_nowhere_nearer_than_that():
+    """Rounded, the ray that goes straight down goes back by a hair."""
+    assert describe(build.camera(mount=(1.0, 1.09375, 0.0), centre=(63.0, 2.0))).nearest_floor == 0.0
+
+
 def test_a_camera_that_looks_past_what_is_ahead_sees_no_floor_there():
     told = describe(build.camera(centre=(-64, 24)))
     assert told.nearest_floor == told.farthest

@@ -11,7 +11,7 @@ from numpy.testing import assert_array_equal
 from cliffscan.common.contract.camera import reach
 from cliffscan.common.contract.depth_codec import RAW
 from cliffscan.common.contract.messages import DepthImage, LaserScan
-from cliffscan.common.perception.combine import Beams
+from cliffscan.common.perception.combine import beams_with, within
 from cliffscan.common.perception.scans import WARMUP_IMAGE, ScanConfig, laser_scan, points
 from tests.build import camera
 
@@ -26,7 +26,7 @@ def image(view=None, millimetres=2000):
 
 
 def beams(*ranges):
-    return Beams.of(np.array(ranges, np.float32), 4)
+    return beams_with(np.array(ranges, np.float32), 4)
 
 
 def test_a_scan_tells_of_its_frame_and_its_grid():
@@ -46,9 +46,9 @@ def test_numbers_free_beams_and_unseen_ones_stay_what_they_are():
 
 
 def test_nothing_beyond_range_max_is_reported():
-    limited = beams(2.999, 3.0, 3.001, 50, NAN).within(3.0)
+    limited = within(beams(2.999, 3.0, 3.001, 50, NAN), 3.0)
     assert_array_equal(limited.ranges, np.float32([2.999, 3.0, INF, INF, NAN]))
-    assert_array_equal(limited.evidence, [4, 4, 0, 0, 0])
+    assert_array_equal(limited.intensities, [4, 4, 0, 0, 0])
 
 
 def test_range_max_is_no_farther_than_the_sensor_reaches():
@@ -62,7 +62,7 @@ def test_range_max_is_no_farther_than_the_sensor_reaches():
 def test_what_the_sensor_sees_at_the_end_of_its_reach_is_reported():
     view = camera(reach=(0.5, 2.0))
     corner = points(image(view, 2000), CONFIG, INF).distances.max()
-    assert beams(corner).within(CONFIG.reach(view)).ranges[0] == np.float32(corner)
+    assert within(beams(corner), CONFIG.reach(view)).ranges[0] == np.float32(corner)
 
 
 @given(st.lists(st.floats(0, 5, width=32) | st.sampled_from([NAN, INF]), min_size=5, max_size=5))

@@ -16,7 +16,7 @@ from cliffscan.common.contract.depth_codec import LEVELS, RAW, encode
 from cliffscan.common.contract.map_messages import OccupancyGrid
 from cliffscan.common.contract.message import MessageError, unpack
 from cliffscan.common.contract.messages import DepthImage, LaserScan, ServiceStatus
-from cliffscan.common.perception.combine import Beams
+from cliffscan.common.perception.combine import beams_with
 from cliffscan.common.perception.scans import ScanConfig, laser_scan
 from cliffscan.common.runtime.config import ConfigError, load
 from tests import build
@@ -202,5 +202,5 @@ def test_no_setting_makes_scans_that_are_refused(setting):
 def test_what_a_service_makes_of_the_oddest_camera_is_no_malformed_scan():
     view = build.camera(width=2, height=2, focal=200.0, mount=(0.001, math.radians(87), 0.0), reach=(0.0, 0.001))
     image = DepthImage.pack(1, STAMP, "f", np.full((2, 2), 1, np.uint16), view, RAW)
-    scan = laser_scan(image, Beams.of(np.full(640, np.inf, np.float32), 1.0), ScanConfig())
+    scan = laser_scan(image, beams_with(np.full(640, np.inf, np.float32), 1.0), ScanConfig())
     assert LaserScan.decode(scan.encode()).range_max == scan.range_max

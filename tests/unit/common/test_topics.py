@@ -1,11 +1,15 @@
 """The table of keys is the contract's."""
 
+from pathlib import Path
+
 import pytest
 
 from cliffscan.common.contract import topics
 from cliffscan.common.contract.messages import DepthImage, LaserScan, ServiceStatus
 from cliffscan.common.contract.topics import Qos
 from cliffscan.common.runtime import options
+
+PAGE = (Path(__file__).parents[3] / "common" / "README.md").read_text()
 
 
 @pytest.mark.parametrize(
@@ -15,14 +19,31 @@ from cliffscan.common.runtime import options
         (topics.SCAN_POSITIVE, "r/scan/positive", LaserScan, Qos.REAL_TIME),
         (topics.SCAN_NEGATIVE, "r/scan/negative", LaserScan, Qos.REAL_TIME),
         (topics.SCAN_FUSED, "r/scan/fused", LaserScan, Qos.REAL_TIME),
-        (topics.scan_negative("virtual_floor"), "r/scan/negative/virtual_floor", LaserScan, Qos.REAL_TIME),
+        (topics.SCAN_OF_METHOD.named("virtual_floor"), "r/scan/negative/virtual_floor", LaserScan, Qos.REAL_TIME),
         (topics.scan("scan/lidar"), "r/scan/lidar", LaserScan, Qos.REAL_TIME),
-        (topics.status("fuse"), "r/status/fuse", ServiceStatus, Qos.STATUS),
+        (topics.STATUS.named("fuse"), "r/status/fuse", ServiceStatus, Qos.STATUS),
     ],
 )
 def test_a_topic_has_its_key_message_and_quality(topic, key, message, qos):
     assert (topic.key("r"), topic.message, topic.qos) == (key, message, qos)
     assert topics.message_at(topic.path) is message
+
+
+@pytest.mark.parametrize("topic", topics.TOPICS, ids=lambda topic: topic.path)
+def test_the_wire_page_has_the_row(topic):
+    travels = topic.qos.name.lower().replace("_", " ")
+    row = [f"`<robot>/{topic.path}`", topic.message.__name__, topic.rate, topic.writer, travels]
+    assert f"| {' | '.join(row)} |\n" in PAGE
+
+
+@pytest.mark.parametrize("topic", topics.TOPICS, ids=lambda topic: topic.path)
+def test_each_key_of_a_row_has_its_message(topic):
+    assert topics.message_at(topic.path) is topics.message_at(topic.named("anything").path) is topic.message
+
+
+def test_no_two_rows_share_a_key():
+    paths = [topic.path for topic in topics.TOPICS]
+    assert len(set(paths)) == len(paths) > 15
 
 
 def test_a_token_has_its_key():

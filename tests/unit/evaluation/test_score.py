@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from benchmarks.accuracy.figures import Figures
-from cliffscan.common.perception.combine import NOT_TOLD, Beams
+from cliffscan.common.contract.beam_fields import ABSENT, Beams
 from evaluation.score import Tally, Verdict, judge
 from evaluation.truth.beam_truth import Truth
 from evaluation.truth.scene_truth import EARLY
@@ -12,8 +12,8 @@ from evaluation.truth.scene_truth import EARLY
 INF, NAN = np.inf, np.nan
 
 
-def scan(ranges, clear=NOT_TOLD):
-    return Beams(np.array(ranges), np.zeros(len(ranges)), np.array(clear))
+def scan(ranges, clear=ABSENT):
+    return Beams(ranges=np.array(ranges), intensities=np.zeros(len(ranges)), clear=np.array(clear))
 
 
 def truth(edge, allowed=0.02, drop=None, undecidable=None, sinking=None, earliest=None):

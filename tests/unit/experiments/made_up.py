@@ -5,7 +5,7 @@ import numpy as np
 from cliffscan.common.contract.depth_codec import RAW
 from cliffscan.common.contract.evidence import Evidence
 from cliffscan.common.contract.messages import DepthImage
-from cliffscan.common.perception.combine import Beams, combine
+from cliffscan.common.perception.combine import beams_with, combine
 from cliffscan.common.perception.point_heights import points_of
 from cliffscan.common.perception.scans import ScanConfig, laser_scan
 from cliffscan.services.negative.farthest_point import farthest_point
@@ -29,10 +29,10 @@ def frame(name="hole and box", seq=0, stamp=1):
     config = ScanConfig(beams=80)
     seen, grid = points_of(depth.depth, depth.camera), config.grid()
     negative = [
-        Beams.of(farthest_point(seen, grid, BAND), Evidence.FARTHEST_FLOOR),
-        Beams.of(virtual_floor(seen, grid, BAND), Evidence.DROP),
+        beams_with(farthest_point(seen, grid, BAND), Evidence.FARTHEST_FLOOR),
+        beams_with(virtual_floor(seen, grid, BAND), Evidence.DROP),
     ]
-    positive = Beams.of(projection(seen, grid, BAND, ROBOT, FLAT), Evidence.POSITIVE)
+    positive = beams_with(projection(seen, grid, BAND, ROBOT, FLAT), Evidence.POSITIVE)
     beams = [*negative, combine(negative), positive, combine([positive, combine(negative)])]
     return Frame(depth, {name: laser_scan(depth, each, config) for name, each in zip(NAMES, beams, strict=True)})
 
@@ -42,5 +42,5 @@ def blank_frame():
     depth = image()
     dark = DepthImage.pack(0, 1, "optical", np.zeros_like(depth.depth), depth.camera, RAW)
     config = ScanConfig(beams=80)
-    unseen = Beams.of(np.full(80, np.nan, np.float32), Evidence.NOTHING)
+    unseen = beams_with(np.full(80, np.nan, np.float32), Evidence.NOTHING)
     return Frame(dark, {name: laser_scan(dark, unseen, config) for name in NAMES})

@@ -145,14 +145,14 @@ def test_a_burst_after_an_outage_moves_nothing(robot):
 
 def test_a_base_that_repeats_a_packet_is_silent(robot):
     robot.tick(0.3, 2.0)
-    packet, before = robot.firmware.step(TICK), robot.controller.heard_at
+    packet, before = robot.firmware.step(TICK), robot.controller.alive_at
     rules = []
     for _ in range(40):
         robot.now += TICK
         robot.see()
         robot.command(0.3)
         assert not any(
-            robot.controller.heard_at > before + TICK for _ in robot.controller.receive(packet, 0, robot.now)
+            robot.controller.alive_at > before + TICK for _ in robot.controller.receive(packet, 0, robot.now)
         )
         robot.controller.tick(robot.now)
         rules.append(robot.controller.decision.rule)
@@ -218,7 +218,7 @@ def test_a_real_base_is_not_driven_by_a_simulated_camera():
     assert "camera is simulated" in robot.controller.note(robot.now)
     assert not robot.moves()
     robot.controller.describe(CAMERA.model_copy(update={"simulated": False}))
-    assert robot.tick(0.3, 0.5).rule == "free"
+    assert robot.tick(0.3, 1.0).rule == "free"
 
 
 def test_an_emulated_base_may_be(robot):

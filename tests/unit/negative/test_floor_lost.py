@@ -37,7 +37,7 @@ def told(depth, floor_lost):
 def crossing(beams):
     """Those beams that lead across the hole's middle."""
     across = np.abs(np.tan(NegativeConfig().grid().angles()) * FAR[0]) < 0.5
-    return beams.ranges[across], beams.evidence[across]
+    return beams.ranges[across], beams.intensities[across]
 
 
 @pytest.mark.parametrize("floor_lost", ["counts", "beside_drop", "ignored"])

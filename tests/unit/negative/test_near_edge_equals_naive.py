@@ -25,10 +25,10 @@ def assert_equal_naive(depth, camera, floor_lost="counts", beams=64, off=0.0):
     half = math.radians(29)
     grid = Grid.between(beams, -half + off, half + off)
     seen = points_of(depth, camera, lower_than=CONFIG.floor_band)
-    found = near_edge(seen, grid, CONFIG.limits(camera), floor_lost, BASELINE)
-    ranges, evidence, clear = naive.near_edge(seen, grid, CONFIG.limits(camera), floor_lost, BASELINE)
+    found = near_edge(seen, grid, CONFIG.criteria(camera), floor_lost, BASELINE)
+    ranges, evidence, clear = naive.near_edge(seen, grid, CONFIG.criteria(camera), floor_lost, BASELINE)
     assert_allclose(found.ranges, ranges, rtol=1e-5)
-    assert_array_equal(found.evidence, evidence)
+    assert_array_equal(found.intensities, evidence)
     assert_allclose(found.clear, clear, rtol=1e-5)
     return found
 

@@ -108,7 +108,7 @@ def test_a_frame_without_returns_tells_nothing(mount):
     camera = mounted(*mount)
     beams = found(np.zeros((120, 160), np.uint16), camera)
     assert np.isnan(beams.ranges).all()
-    assert not beams.evidence.any()
+    assert not beams.intensities.any()
     assert not beams.clear.any()
 
 
@@ -144,8 +144,8 @@ def test_any_image_of_any_camera_gives_lawful_scans(height, pitch, roll, kind, s
     assert (beams.ranges[numbers] > 0).all()
     assert (beams.ranges[numbers] <= CONFIG.reach(camera)).all()
     assert not np.isneginf(beams.ranges).any()
-    assert set(beams.evidence) <= {Evidence.NOTHING, Evidence.DROP, Evidence.FLOOR_LOST}
-    np.testing.assert_array_equal(numbers, beams.evidence > 0)
+    assert set(beams.intensities) <= {Evidence.NOTHING, Evidence.DROP, Evidence.FLOOR_LOST}
+    np.testing.assert_array_equal(numbers, beams.intensities > 0)
     assert ((beams.clear >= 0) & (beams.clear <= CONFIG.reach(camera))).all()
     assert (beams.clear[numbers] <= beams.ranges[numbers] * (1 + 1e-6)).all()
 

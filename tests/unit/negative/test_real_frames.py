@@ -65,7 +65,7 @@ class Recorded:
 def test_no_drop_is_on_a_corridors_or_a_plank_floor(name):
     frame = Recorded(name)
     assert not frame.told.any()
-    assert not frame.beams.evidence.any()
+    assert not frame.beams.intensities.any()
 
 
 @pytest.mark.parametrize("name", frames("nvblox*/*.png"))

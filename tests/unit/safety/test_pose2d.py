@@ -5,9 +5,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cliffscan.safety.local_grid import Pose
+from cliffscan.safety.pose2d import Pose2D
 
-poses = st.builds(Pose, st.floats(-50, 50), st.floats(-50, 50), st.floats(-10, 10))
+poses = st.builds(Pose2D, st.floats(-50, 50), st.floats(-50, 50), st.floats(-10, 10))
 
 
 @given(poses, poses, st.floats(-5, 5), st.floats(-5, 5))

@@ -7,8 +7,7 @@ import pytest
 
 from cliffscan.common.contract.description import CameraDescription
 from cliffscan.safety import scan_claims
-from cliffscan.safety.gate import Scan
-from cliffscan.safety.scan_claims import AHEAD, View
+from cliffscan.safety.scan_claims import AHEAD, Scan, View
 from tests import build
 
 NOW = 1_700_000_000_000_000_000  # [ns]
@@ -48,20 +47,19 @@ def test_beams_that_lie_nowhere_are_refused():
 
 
 def test_nothing_is_free_outside_of_the_described_view():
-    scan = Scan.of(sent([math.inf] * 101, increment=0.01), View.of(CAMERA, 0.75))
+    scan = Scan.of(sent([math.inf] * 101, increment=0.01), View.of(CAMERA))
     inside = (scan.angles >= -0.3 - math.radians(1)) & (scan.angles <= 0.4 + math.radians(1))
     assert (scan.free[~inside] == 0.0).all()
     np.testing.assert_array_equal(scan.free[inside], 3.0)
 
 
 def test_a_camera_mounted_higher_sees_floor_from_farther_on():
-    assert View.of(CAMERA, 0.75).nearest == 1.4
-    assert View.of(CAMERA.model_copy(update={"nearest_floor": 0.4}), 0.75).nearest == 0.75
+    assert View.of(CAMERA).nearest == 1.4
 
 
 def test_a_beam_that_saw_nothing_cannot_have_seen_floor_to_its_end():
     nothing = [math.nan] * 40
     claims = sent(nothing, clear=[9.0] * 20 + [1e30] * 20)
-    free = Scan.of(claims, View.undescribed(0.75)).free
+    free = Scan.of(claims, View.undescribed()).free
     np.testing.assert_array_equal(free[:20], 9.0)
     np.testing.assert_array_equal(free[20:], 0.0)

@@ -5,8 +5,9 @@ from collections import deque
 
 import numpy as np
 
-from cliffscan.safety.gate import REST, Scan
-from cliffscan.safety.local_grid import Pose
+from cliffscan.safety.inputs import REST
+from cliffscan.safety.pose2d import Pose2D
+from cliffscan.safety.scan_claims import Scan
 
 TICK = 0.02  # [s]
 SUBSTEPS = 4
@@ -107,7 +108,7 @@ class Wheels:
         middle = pose.theta + self.turning * seconds / 2
         way = self.speed * seconds
         theta = pose.theta + self.turning * seconds
-        return Pose(pose.x + way * math.cos(middle), pose.y + way * math.sin(middle), theta)
+        return Pose2D(pose.x + way * math.cos(middle), pose.y + way * math.sin(middle), theta)
 
     def _drive(self, wanted, seconds):
         if wanted * self.speed >= 0 and abs(wanted) >= abs(self.speed):

@@ -2,7 +2,7 @@
 
 import math
 
-from tests.kobuki_trial import Trial
+from tests.gate_trial import Trial
 
 DEAD, LATE = 0.23, 0.12  # [s] the base's and the scans', at their worst
 

@@ -5,33 +5,34 @@ from collections import deque
 
 import numpy as np
 
-from cliffscan.safety.gate import REST, Safety, Twist
-from cliffscan.safety.local_grid import MEMORY, Pose
-from cliffscan.services.kobuki.config import KobukiConfig
-from cliffscan.services.kobuki.protocol.packets import decode
-from tests.kobuki_stream import core
-from tests.kobuki_world import ANGLES, RADIUS, SUBSTEPS, TICK, Wheels, World
+from cliffscan.safety.gate import SafetyGate
+from cliffscan.safety.inputs import NO_COMMAND, REST, Command, Contacts, Twist
+from cliffscan.safety.local_grid import MEMORY
+from cliffscan.safety.pose2d import Pose2D
+from cliffscan.safety.scan_claims import View
+from tests.gate_drive import LIMITS, contacts
+from tests.gate_world import ANGLES, RADIUS, SUBSTEPS, TICK, Wheels, World
 
-CAMERA = KobukiConfig().camera()
+CAMERA = View.undescribed().camera
 FRESH = 0.3 + 1e-9  # [s]
 REMEMBERED = MEMORY - 0.1  # [m]
 BOTH = {"drop": 3}
-QUIET = decode(core()).core
+QUIET = Contacts()
 
 
 class Trial:
     """Everything raises an AssertionError as soon as the robot drives where it must not."""
 
     def __init__(self, voids, posts, dead, late, dark):
-        self.pose, self.now = Pose(0.0, 0.0, 0.0), 100.0
+        self.pose, self.now = Pose2D(0.0, 0.0, 0.0), 100.0
         self.world, self.wheels, self.late, self.dark = World(voids, posts, self.pose), Wheels(dead), late, dark
-        self.safety = Safety(KobukiConfig(), self.pose)
+        self.safety = SafetyGate(LIMITS, self.pose)
         self.asked, self.hidden, self.sensors, self.latched = REST, slice(0, 0), {}, False
         self.seen, self.lost = np.empty((2, 0)), False
         self._know_nothing()
 
     def _know_nothing(self):
-        self.told_at = self.taken = -math.inf
+        self.command, self.taken = NO_COMMAND, -math.inf
         self.scans, self.frozen = deque(), None
 
     def drive(self, linear, angular, ticks):
@@ -64,7 +65,7 @@ class Trial:
     def stop(self, button):
         self.latched = True
         if button:
-            self.sense(1, buttons=1)
+            self.sense(1, button=True)
         else:
             self.safety.stop("asked to")
         self.run(10)
@@ -97,8 +98,7 @@ class Trial:
         for tick in range(ticks):
             self._scan(scans and tick % 2 == 0, frozen)
             if commands:
-                self.safety.command(self.asked, self.now)
-                self.told_at = self.now
+                self.command = Command(self.asked, self.now)
             self._decide()
             if tick % 5 == 0:
                 self._decide()
@@ -128,15 +128,15 @@ class Trial:
                 self.seen = np.unique(np.round(self.seen, 2), axis=1)
 
     def _decide(self):
-        self.safety.sense(decode(core(**self.sensors)).core if self.sensors else QUIET, self.pose)
-        decision = self.safety.decide(self.now)
+        self.safety.sense(contacts(**self.sensors) if self.sensors else QUIET, self.pose)
+        decision = self.safety.decide(self.command, self.now)
         self.wheels.tell(self.now, decision.allowed)
         linear, angular = decision.allowed
         assert abs(linear) <= 0.7 + 1e-9
         assert abs(angular) <= math.radians(110) + 1e-9
         if linear > 0.0:
             assert self.now - self.taken <= FRESH, "drives without a scan"
-            assert self.now - self.told_at <= FRESH, "drives without a command"
+            assert self.now - self.command.at <= FRESH, "drives without a command"
             assert not {"bumper", "cliff"} & self.sensors.keys(), "drives on"
         if self.latched or {"drop", "over"} & self.sensors.keys():
             assert decision.allowed == REST

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from cliffscan.safety.arc_collision import first_contact, safe_speed
-from cliffscan.safety.pending_motion import SLOW, Momentum
+from cliffscan.safety.pending_motion import SLOW, PendingMotion
 
 RADIUS = 0.21
 STEP = 0.001  # [m]
@@ -95,31 +95,31 @@ def test_safe_speed_is_the_inverse_of_the_stopping_distance(distance, decelerati
 
 
 def test_a_speed_lasts_for_the_delay_and_then_as_long_as_braking_takes():
-    momentum = Momentum(0.25, 0.6)
-    momentum.send(0.6, 0.0, 1.0)
+    pending = PendingMotion(0.25, 0.6)
+    pending.send(0.6, 0.0, 1.0)
     for tick in range(1, 100):
         now = 1.0 + 0.02 * tick
-        momentum.send(0.0, 0.0, now)
+        pending.send(0.0, 0.0, now)
         braked = 0.6 - 0.6 * max(now - 1.02 - 0.25, 0.0)
-        assert max(braked, 0.0) - 1e-9 <= momentum.speed(1, now) <= max(braked, 0.0) + 0.6 * 0.021
-        assert momentum.speed(-1, now) == 0.0
-    momentum.rest()
-    assert momentum.speed(1, 9.0) == 0.0
+        assert max(braked, 0.0) - 1e-9 <= pending.speed(1, now) <= max(braked, 0.0) + 0.6 * 0.021
+        assert pending.speed(-1, now) == 0.0
+    pending.rest()
+    assert pending.speed(1, 9.0) == 0.0
 
 
 def test_the_last_velocity_lasts_until_another_is_sent():
-    momentum = Momentum(0.25, 0.6)
-    momentum.send(-0.3, 0.0, 1.0)
-    assert momentum.speed(-1, 50.0) == 0.3
+    pending = PendingMotion(0.25, 0.6)
+    pending.send(-0.3, 0.0, 1.0)
+    assert pending.speed(-1, 50.0) == 0.3
 
 
 def test_a_steady_arc_is_one_arc_and_a_swerve_is_a_fan():
-    momentum = Momentum(0.25, 0.6)
-    momentum.send(0.5, 0.5, 1.0)
-    assert momentum.curvatures(1, 0.4, 0.4, 1.02) == [1.0]
-    swerve = momentum.curvatures(1, 0.5, -0.5, 1.02)
+    pending = PendingMotion(0.25, 0.6)
+    pending.send(0.5, 0.5, 1.0)
+    assert pending.curvatures(1, 0.4, 0.4, 1.02) == [1.0]
+    swerve = pending.curvatures(1, 0.5, -0.5, 1.02)
     assert swerve[0] == -1.0
     assert min(swerve) == pytest.approx(-1.0)
     assert max(swerve) == pytest.approx(1.0)
-    turn = momentum.curvatures(1, 0.0, 1.0, 1.02)
+    turn = pending.curvatures(1, 0.0, 1.0, 1.02)
     assert max(turn) == pytest.approx(1.0 / SLOW)

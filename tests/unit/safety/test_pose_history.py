@@ -4,14 +4,14 @@ import math
 
 import pytest
 
-from cliffscan.safety.local_grid import Pose
+from cliffscan.safety.pose2d import Pose2D
 from cliffscan.safety.pose_history import AHEAD, ROOM, PoseHistory
 
 
 def a_history(*poses):
     history = PoseHistory()
     for stamp, pose in poses:
-        history.add(stamp, Pose(*pose))
+        history.add(stamp, Pose2D(*pose))
     return history
 
 

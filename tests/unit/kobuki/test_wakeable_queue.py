@@ -5,7 +5,7 @@ import threading
 
 import pytest
 
-from cliffscan.services.kobuki.wakeable_queue import ROOM, Jobs
+from cliffscan.services.kobuki.wakeable_queue import ROOM, WakeableQueue
 
 
 class Pipe:
@@ -35,29 +35,31 @@ def two():
 
 
 def test_others_come_out_one_at_a_time_and_in_order():
-    jobs = Jobs()
+    jobs = WakeableQueue()
     assert jobs.put(one)
     assert jobs.put(two)
     assert [jobs.take(), jobs.take(), jobs.take()] == [[one], [two], []]
 
 
 def test_a_job_of_another_thread_ends_the_wait(port):
-    jobs = Jobs()
+    jobs = WakeableQueue()
     threading.Timer(0.05, lambda: jobs.put(one)).start()
     assert not jobs.wait(port, 60.0)
     assert jobs.take()
 
 
 def test_the_port_ends_the_wait(port):
-    jobs = Jobs()
+    jobs = WakeableQueue()
     threading.Timer(0.05, lambda: os.write(port.other, b".")).start()
     assert jobs.wait(port, 60.0)
     assert not jobs.take()
 
 
-@pytest.mark.parametrize("put", [Jobs.put, Jobs.put_urgent, lambda jobs, job: jobs.put_newest("key", job)])
+@pytest.mark.parametrize(
+    "put", [WakeableQueue.put, WakeableQueue.put_urgent, lambda jobs, job: jobs.put_newest("key", job)]
+)
 def test_while_a_job_is_left_nobody_waits(port, put):
-    jobs = Jobs()
+    jobs = WakeableQueue()
     jobs.put(one)
     put(jobs, two)
     jobs.wait(port, 60.0)
@@ -68,7 +70,7 @@ def test_while_a_job_is_left_nobody_waits(port, put):
 
 
 def test_the_bell_is_heard_once():
-    jobs = Jobs()
+    jobs = WakeableQueue()
     jobs.put(one)
     jobs.wait(None, 60.0)
     jobs.take()
@@ -76,14 +78,14 @@ def test_the_bell_is_heard_once():
 
 
 def test_when_nobody_takes_them_the_oldest_gives_way():
-    jobs = Jobs()
+    jobs = WakeableQueue()
     assert all(jobs.put(lambda n=n: n) for n in range(ROOM))
     assert not jobs.put(lambda: ROOM)
     assert jobs.take()[0]() == 1
 
 
 def test_urgent_jobs_come_first_and_none_is_lost():
-    jobs = Jobs()
+    jobs = WakeableQueue()
     for _ in range(2 * ROOM):
         jobs.put(one)
         jobs.put_newest("driver", one)
@@ -93,7 +95,7 @@ def test_urgent_jobs_come_first_and_none_is_lost():
 
 
 def test_of_one_key_only_the_newest_is_done():
-    jobs = Jobs()
+    jobs = WakeableQueue()
     assert jobs.put_newest("a", one)
     assert jobs.put_newest("b", one)
     assert jobs.put_newest("a", two)
@@ -101,7 +103,7 @@ def test_of_one_key_only_the_newest_is_done():
 
 
 def test_there_is_no_room_for_any_number_of_keys():
-    jobs = Jobs()
+    jobs = WakeableQueue()
     assert all(jobs.put_newest(str(n), one) for n in range(ROOM))
     assert not jobs.put_newest("another", one)
     assert jobs.put_newest("0", two)

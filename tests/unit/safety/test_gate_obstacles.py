@@ -5,9 +5,9 @@ import math
 import numpy as np
 import pytest
 
-from cliffscan.safety.gate import REST
-from cliffscan.safety.local_grid import Pose
-from tests.kobuki_gate import ANGLES, Drive
+from cliffscan.safety.inputs import REST
+from cliffscan.safety.pose2d import Pose2D
+from tests.gate_drive import ANGLES, Drive
 
 
 @pytest.mark.parametrize("far", [0.1, 0.3, 0.6])
@@ -26,7 +26,7 @@ def test_it_does_not_back_over_an_edge_that_it_remembers():
     drive = Drive(ranges=edge)
     drive.tick(0.0)
     drive.ranges = math.inf
-    drive.pose = Pose(0.0, 0.0, math.pi)
+    drive.pose = Pose2D(0.0, 0.0, math.pi)
     pose = drive.go(-0.3)
     assert 0.2 < pose.x < edge - 0.087 - 0.18
 
@@ -71,7 +71,7 @@ def test_after_a_gap_an_edge_is_still_there():
     drive = Drive(ranges=0.8)
     drive.steady(0.0)
     drive.ranges = math.inf
-    drive.pose = Pose(0.3, 0.0, 0.0)
+    drive.pose = Pose2D(0.3, 0.0, 0.0)
     drive.tick(0.0)
     drive.safety.restart(drive.pose)
     assert drive.go(0.3).x < 0.8 - 0.087 - 0.18
@@ -122,10 +122,10 @@ def test_a_turn_leads_out_of_a_corner():
 @pytest.mark.parametrize("distance", [0.22, 0.26])
 def test_along_a_near_wall_it_drives_on_and_comes_no_nearer(distance):
     drive = Drive()
-    drive.pose = Pose(0.0, -0.3, 0.0)
+    drive.pose = Pose2D(0.0, -0.3, 0.0)
     drive.go(0.0, ticks=2, ranges=wall(distance))
     drive.go(0.3, ticks=120, ranges=wall(distance))
-    drive.pose = Pose(drive.pose.x, 0.0, 0.0)  # somebody pushed it nearer
+    drive.pose = Pose2D(drive.pose.x, 0.0, 0.0)  # somebody pushed it nearer
     start = drive.pose.x
     assert drive.go(0.3, ticks=90, ranges=wall(distance)).x > start + 0.2
     drive.go(0.3, 0.1, ticks=150, ranges=wall(distance))
@@ -137,7 +137,7 @@ def test_it_does_not_back_off_over_an_edge_that_it_remembers(kind):
     drive = Drive(ranges=1.0)
     drive.tick(0.0)
     drive.ranges = math.inf
-    drive.pose = Pose(0.4, 0.0, math.pi)
+    drive.pose = Pose2D(0.4, 0.0, math.pi)
     drive.sensors = {kind: 2}
     pose = drive.go(0.3, ticks=400)
     assert 0.5 < pose.x < 1.0 - 0.087 - 0.18
@@ -170,7 +170,7 @@ def test_a_wheel_over_a_step_makes_it_forget_nothing():
     drive.ranges = math.inf
     drive.steady(0.3)
     drive.sensors = {}
-    drive.pose = Pose(0.3, 0.0, 0.0)
+    drive.pose = Pose2D(0.3, 0.0, 0.0)
     assert drive.go(0.3).x < 0.8 - 0.087 - 0.18
 
 
@@ -185,4 +185,4 @@ def test_scans_taken_with_a_wheel_in_the_air_show_nothing():
     drive.sensors = {}
     drive.tick(0.0, scan=False)
     drive.tick(0.0, taken=tilted)
-    assert not drive.safety._ground.not_free(drive.pose, 1.2, unknown_too=False).size
+    assert not drive.safety._grid.not_free(drive.pose, 1.2, unknown_too=False).size

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from cliffscan.safety.approach_monitor import ApproachMonitor, Glance
-from cliffscan.safety.local_grid import Pose
+from cliffscan.safety.pose2d import Pose2D
 
 ANGLES = np.radians(np.linspace(-29, 29, 640))
 PERIOD = 0.1  # [s] between two scans
@@ -34,14 +34,14 @@ def person(ranges, bearing, distance, width=0.5):
 def drive(scene, share=1.0, turn=0.0, speed=0.4, seconds=4.0, noise=0.0):
     """What is said while a robot drives, whose odometry tells a share of the way."""
     monitor, random = ApproachMonitor(), np.random.default_rng(1)
-    true, told = Pose(0.0, 0.0, 0.0), Pose(0.0, 0.0, 0.0)
+    true, told = Pose2D(0.0, 0.0, 0.0), Pose2D(0.0, 0.0, 0.0)
     for step in range(round(seconds / PERIOD)):
         ranges = scene(true, step * PERIOD)
         ranges = np.where(ranges < 4.0, ranges + noise * ranges**2 * random.standard_normal(ranges.shape), np.inf)
         if why := monitor.see(Glance(ranges, ANGLES, told, 100.0 + step * PERIOD)):
             return why
-        true = true.then(Pose(speed * PERIOD, 0.0, turn * PERIOD))
-        told = told.then(Pose(share * speed * PERIOD, 0.0, turn * PERIOD))
+        true = true.then(Pose2D(speed * PERIOD, 0.0, turn * PERIOD))
+        told = told.then(Pose2D(share * speed * PERIOD, 0.0, turn * PERIOD))
     return ""
 
 

@@ -5,8 +5,8 @@ import math
 import pytest
 
 from cliffscan.safety.odometry_monitor import DRIVEN, OdometryMonitor
-from cliffscan.services.kobuki.kinematics import WHEEL_SEPARATION
 
+WHEEL_SEPARATION = 0.23  # [m]
 TICK = 0.02  # [s]
 DEAD, RAMP = 0.2, 0.6  # [s], [m/s²] of a base that obeys late and brakes weakly
 
@@ -15,7 +15,7 @@ class Wheels:
     """A base that does what it is told late, and encoders that count a share of it."""
 
     def __init__(self):
-        self.monitor, self.now = OdometryMonitor(), 100.0
+        self.monitor, self.now = OdometryMonitor(WHEEL_SEPARATION), 100.0
         self.told, self.speeds, self.ways, self.gyro = [], [0.0, 0.0], [0.0, 0.0], 0.0
         self.shares, self.gyro_share = [1.0, 1.0], 1.0
 

@@ -12,7 +12,7 @@ from hypothesis import HealthCheck, settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, initialize, precondition, rule
 
-from tests.kobuki_trial import Trial
+from tests.gate_trial import Trial
 
 directions = st.floats(-math.pi, math.pi)
 far = st.one_of(st.floats(0.55, 2.5), st.floats(1.5, 2.5))

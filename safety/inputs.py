@@ -1,0 +1,62 @@
+"""What the gate takes in of a base of any make: velocities, contacts, and the limits of its body and its brakes."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+Sides = tuple[bool, bool, bool]  # left, centre, right
+Wheels = tuple[bool, bool]  # left, right
+
+
+class Twist(NamedTuple):
+    """A velocity: linear [m/s] forward, angular [rad/s] counter-clockwise."""
+
+    linear: float
+    angular: float
+
+    def scaled(self, factor: float) -> Twist:
+        """The same arc at another speed."""
+        return Twist(self.linear * factor, self.angular * factor)
+
+
+REST = Twist(0.0, 0.0)
+
+
+class Command(NamedTuple):
+    """The velocity that is asked for, and when it came."""
+
+    twist: Twist
+    at: float  # [s]
+
+
+NO_COMMAND = Command(REST, -math.inf)
+
+
+class Contacts(NamedTuple):
+    """What the base feels. A base without one of these sensors leaves it at false."""
+
+    cliffs: Sides = (False, False, False)  # no floor below the sensor
+    bumpers: Sides = (False, False, False)  # pressed
+    wheel_drops: Wheels = (False, False)  # hanging in the air
+    overcurrents: Wheels = (False, False)  # a motor draws too much
+    stop_button: bool = False  # the emergency stop on the body is pressed
+
+
+class SafetyLimits(NamedTuple):
+    """How fast the base may be, how it brakes, what it can collide with, and what it must not drive without."""
+
+    max_linear: float  # [m/s]
+    max_angular: float  # [rad/s]
+    acceleration: float  # [m/s²]
+    angular_acceleration: float  # [rad/s²]
+    deceleration: float  # [m/s²] it brakes with, at the least
+    reaction: float  # [s] from a decision to its effect
+    radius: float  # [m] of the disc around the middle between the wheels that holds the body
+    margin: float  # [m] kept from what is in the way
+    start_free: float  # [m] around the place where the robot was put down that is floor
+    command_timeout: float  # [s] without a command after which it stands
+    stamp_tolerance: float  # [s] by which a command's stamp may differ from our clock
+    require_scan: bool  # without a fresh scan it only turns, slowly
+    scan_timeout: float  # [s] since the scan was taken, and since it came
+    slow_turn: float  # [rad/s] without a scan
