@@ -15,7 +15,6 @@ from benchmarks.faults.rig import Rig
 from cliffscan.common.runtime.config import SERVICES
 
 PROCESSES = ("router", *SERVICES)
-LATE = 0.6  # [s] of a late frame
 CUT = 1.5  # [s] of the serial line
 CREEPING = (4.0, 8.0)  # [s] of a fault that shows on the way only
 FLOODED = 0.3  # [s] of a flood before the stop
@@ -49,7 +48,7 @@ def started(name: str) -> Deed:
 
 def frames(mode: Mode) -> Deed:
     """Have the frames come so from now on."""
-    return lambda rig: rig.relay.become(mode, LATE)
+    return lambda rig: rig.relay.become(mode)
 
 
 def line(command: str) -> Deed:

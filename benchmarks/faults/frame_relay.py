@@ -15,6 +15,7 @@ from cliffscan.simulator.wire import FrameReader, WireFrame
 Mode = Literal["pass", "late", "frozen", "repeated", "dropped"]
 
 PATIENCE = 5.0  # [s]
+LATE = 0.6  # [s] of a late frame
 READ_SIZE = 1 << 20  # [bytes]
 
 
@@ -30,9 +31,9 @@ class FrameRelay:
         self._last: WireFrame
         threading.Thread(target=self._listen, daemon=True).start()
 
-    def become(self, mode: Mode, delay: float = 0.0) -> None:
-        """Treat frames so from now on; delay: [s] of a late one."""
-        self._mode, self._delay = mode, delay
+    def become(self, mode: Mode) -> None:
+        """Treat frames so from now on."""
+        self._mode, self._delay = mode, LATE if mode == "late" else 0.0
 
     def close(self) -> None:
         """Hang up on both sides."""
