@@ -32,4 +32,4 @@ USER cliffscan
 WORKDIR /home/cliffscan
 ENV SERVICE=$SERVICE
 ENTRYPOINT ["sh", "-c", \
-    "case $SERVICE in router) exec cliffscan router \"$@\" ;; *) exec python -m services.$SERVICE \"$@\" ;; esac", "--"]
+    "case $SERVICE in router) exec cliffscan router \"$@\" ;; *) exec cliffscan run $SERVICE \"$@\" ;; esac", "--"]

@@ -94,7 +94,7 @@ def frames(bus: Bus, seconds: float, stop: StopSignal) -> Iterator[DepthImage]:
 def _remedy(told: ServiceStatus | None) -> str:
     """What to do where capture sends nothing, by its last word."""
     if told is None:
-        return "capture does not run; start it with `cliffscan up` or `python -m services.capture`"
+        return "capture does not run; start it with `cliffscan up` or `cliffscan run capture`"
     return f"capture is {told.state}{': ' if told.note else ''}{told.note}"
 
 

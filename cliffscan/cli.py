@@ -22,6 +22,7 @@ from cliffscan.drive import PRIORITY, drive
 from cliffscan.echo import echo
 from cliffscan.listing import list_keys, list_robots
 from cliffscan.liveness import alive
+from cliffscan.run import add_run
 from cliffscan.services.capture.config import CaptureConfig
 from cliffscan.simulator.world_names import RANDOM, world_names
 from cliffscan.status import status
@@ -161,6 +162,7 @@ def build_parser() -> argparse.ArgumentParser:
     routed.add_argument(
         "--name", type=name_part, default=HOST, help="it is alive as router-NAME; this machine's name by default"
     )
+    add_run(commands)
     shown = add(
         "status",
         on_bus(lambda a, bus, stop: status(bus, a.watch, looked(a), stop)),

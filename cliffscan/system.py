@@ -21,7 +21,9 @@ from cliffscan.common.runtime.service import StopSignal
 from cliffscan.common.runtime.suggest import suggest
 from cliffscan.hang_up import hang_up_stops
 from cliffscan.plain import plain
+from cliffscan.run import command_line
 from cliffscan.services.capture.config import CaptureConfig
+from cliffscan.services.capture.sources.kinds import KINDS
 from cliffscan.supervisor import Supervisor
 
 ANYWHERE = re.compile(r"/(0\.0\.0\.0|\[::\]):")
@@ -30,7 +32,6 @@ LAST = "capture"  # started when all others are ready, so that its first frame i
 TURN = 0.1  # [s] between two looks at the processes
 FIRST = [name for name in SENSING if name != LAST]
 Base = Literal["real", "none"]
-UNREAL = ("simulator", "replay")  # sources of frames that are not of where the robot is
 
 log = logging.getLogger("cliffscan")
 
@@ -69,7 +70,7 @@ class Plan:
         words = ["--robot", self.robot, "--mode", "client", "--connect", self.endpoint]
         words += ["--config", str(self.config)] if self.config else []
         words += [word for override in self.own(name) for word in ("--set", override)]
-        return [sys.executable, "-m", f"cliffscan.services.{name}", *words]
+        return command_line(name, words)
 
     def capture(self) -> list[str]:
         """Capture's command line."""
@@ -156,12 +157,12 @@ class Plan:
         if port:
             raise ConfigError(f"--set {port}: the simulated robot has a base of its own; add --base real for this one")
 
-    def _check_camera(self, source: object) -> None:
+    def _check_camera(self, source: str | None) -> None:
         """A camera must be named, and a real base must not follow pictures of elsewhere. Raises ConfigError."""
         if source is None:
             others = "" if self.base == "real" else ", or replay with capture.path=DIR, or simulator"
             raise ConfigError(f"no camera is named: add --set capture.source=kinect{others}")
-        if self.base == "real" and source in UNREAL:
+        if self.base == "real" and source in KINDS and KINDS[source].simulated:
             raise ConfigError(
                 f"capture.source={source} does not show where a real base drives: add --set capture.source=kinect,"
                 " or leave out --base real"

@@ -166,7 +166,7 @@ def package_version() -> str:
 
 def main(name: str, kind: type[C], serve: Callable[[Service[C]], None]) -> None:
     """Run a service from the command line until it ends or is told to; leaves with the process's exit code."""
-    parser = argparse.ArgumentParser(prog=f"python -m services.{name}", description=sys.modules["__main__"].__doc__)
+    parser = argparse.ArgumentParser(prog=f"cliffscan run {name}", description=sys.modules["__main__"].__doc__)
     options.add_network(parser)
     options.add_config(parser)
     options.add_dump_config(parser)

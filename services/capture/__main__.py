@@ -15,7 +15,8 @@ from cliffscan.services.capture.description import Description
 from cliffscan.services.capture.floor.tracker import FloorTracker
 from cliffscan.services.capture.sources.depth_source import BadFrame, DepthFrame, Source, SourceEnded, SourceLost
 from cliffscan.services.capture.sources.frozen import REPEATED, FrozenWatch
-from cliffscan.services.capture.sources.open_source import KINDS, open_source
+from cliffscan.services.capture.sources.kinds import KINDS
+from cliffscan.services.capture.sources.open_source import open_source
 
 BACK_OFF = (0.5, 8.0)  # [s] before the first and, doubled each time, before a later attempt to open a device
 

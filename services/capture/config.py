@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Annotated, ClassVar, Literal, Self, get_args
+from typing import TYPE_CHECKING, Annotated, ClassVar, Literal, Self
 
 from pydantic import Field, model_validator
 
@@ -11,8 +11,13 @@ from cliffscan.common.contract.camera import Camera, FloorPlane, Intrinsics, che
 from cliffscan.common.contract.description import TURTLEBOT_2, Place
 from cliffscan.common.contract.message import ListAsTuple
 from cliffscan.common.runtime.config import ConfigError, Profiles, ServiceConfig
+from cliffscan.services.capture.sources.kinds import KINDS
 
-Source = Literal["simulator", "replay", "kinect"]
+if TYPE_CHECKING:
+    Source = str
+else:
+    Source = Literal[*KINDS, ""]
+
 KINECT = (640, 480)  # pixels
 
 
@@ -21,7 +26,7 @@ class CaptureConfig(ServiceConfig):
 
     PROFILES: ClassVar[Profiles] = {"paper": {"floor": "fixed"}}
 
-    source: Literal[Source, ""] = ""
+    source: Source = ""
     """Where depth frames come from. It must be set: a robot must never drive by pictures that nobody chose."""
     compressed: bool = True
     """Whether frames travel compressed, without loss; false sends raw 16UC1."""
@@ -81,8 +86,9 @@ class CaptureConfig(ServiceConfig):
     def check(self) -> None:
         """Raise ConfigError where no source is set."""
         if not self.source:
-            choices = ", ".join(get_args(Source))
-            raise ConfigError(f"capture.source is not set: choose one of {choices}, as --set capture.source=kinect")
+            raise ConfigError(
+                f"capture.source is not set: choose one of {', '.join(KINDS)}, as --set capture.source=kinect"
+            )
 
     def mounted_floor(self) -> FloorPlane:
         """The floor as the mount has it."""

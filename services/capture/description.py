@@ -9,7 +9,7 @@ from cliffscan.common.contract.camera import Camera
 from cliffscan.common.contract.description import CameraDescription, RobotDescription
 from cliffscan.common.runtime.service import Service
 from cliffscan.services.capture.config import CaptureConfig
-from cliffscan.services.capture.sources.open_source import KINDS
+from cliffscan.services.capture.sources.kinds import KINDS
 
 SOONEST = 1.0  # [s] between two descriptions of one stream: a recording may bring a floor with each frame
 

@@ -8,6 +8,7 @@ import tomllib
 import pytest
 
 from cliffscan.common.runtime.config import SENSING, SERVICES
+from cliffscan.services.capture.sources.kinds import KINDS
 from tests.service.conftest import free_endpoint
 
 
@@ -62,7 +63,7 @@ def test_capture_without_a_source_is_refused_before_it_looks_for_a_router():
     refused = ask("capture", "--mode", "client", "--connect", free_endpoint())
     assert refused.returncode == 2
     assert refused.stderr == (
-        "capture: capture.source is not set: choose one of simulator, replay, kinect, as --set capture.source=kinect\n"
+        f"capture: capture.source is not set: choose one of {', '.join(KINDS)}, as --set capture.source=kinect\n"
     )
     assert refused.stdout == ""
 
@@ -131,3 +132,23 @@ def test_with_no_endpoint_services_find_each_other(client, start, run):
         start(service, *needed(service), wait=False, where=[])
     command = [sys.executable, "-m", "cliffscan", "echo", "scan/fused", "--robot", client.robot, "--count", "1"]
     assert run(command).end() == 0
+
+
+def test_cliffscan_run_is_the_service(client, run):
+    endpoint = ["--robot", client.robot, "--connect", client.endpoint]
+    process = run([sys.executable, "-m", "cliffscan", "run", "fuse", *endpoint, "--set", "fuse.timeout=1"])
+    client.wait_alive("fuse")
+    assert client.listen("status/fuse").get()["pid"] == process.process.pid
+    process.signal(signal.SIGTERM)
+    assert process.end() == 0
+
+
+@pytest.mark.parametrize(
+    ("words", "reason"),
+    [(["nothing"], "choose from 'capture', "), (["fuse", "--set", "fuse.timeout=-1"], "fuse: fuse.timeout: ")],
+)
+def test_cliffscan_run_refuses_what_it_cannot_run(words, reason):
+    command = [sys.executable, "-m", "cliffscan", "run", *words]
+    refused = subprocess.run(command, capture_output=True, text=True, timeout=60, check=False)
+    assert refused.returncode == 2
+    assert reason in refused.stderr.splitlines()[-1]

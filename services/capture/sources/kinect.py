@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cliffscan.common.contract.camera import Camera
+from cliffscan.services.capture.config import CaptureConfig
 from cliffscan.services.capture.sources import libfreenect
 from cliffscan.services.capture.sources.depth_source import BadFrame, DepthFrame, SourceLost
 
@@ -42,6 +43,11 @@ LEVELS = {
     libfreenect.LOG_INFO: logging.DEBUG,
 }
 log = logging.getLogger("kinect")
+
+
+def open_configured(config: CaptureConfig) -> Kinect:
+    """The Kinect that is configured. Raises SourceLost."""
+    return Kinect(config.kinect(), config.depth_mode, config.device)
 
 
 class Kinect:

@@ -14,6 +14,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from cliffscan.common.contract.camera import Camera, FloorPlane, Intrinsics, check_camera
 from cliffscan.common.contract.message import Stamp, explain
 from cliffscan.common.runtime.config import ConfigError
+from cliffscan.services.capture.config import CaptureConfig
 from cliffscan.services.capture.sources.depth_source import BadFrame, DepthFrame, SourceEnded
 
 Four = tuple[float, float, float, float]
@@ -56,6 +57,11 @@ class CameraFile(FrameOverride):
     def camera(self, intrinsics: Four, floor: Four) -> Camera:
         """A camera of this folder with these intrinsics and floor, possible or not."""
         return Camera(self.width, self.height, Intrinsics(*intrinsics), self.range, FloorPlane(*floor))
+
+
+def open_configured(config: CaptureConfig) -> Replay:
+    """The depth folder that is configured. Raises ConfigError."""
+    return Replay(Path(config.path), config.rate, config.loop)
 
 
 class Replay:

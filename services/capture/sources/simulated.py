@@ -7,9 +7,21 @@ from dataclasses import replace
 
 from cliffscan.common.contract.camera import FloorPlane
 from cliffscan.common.runtime.config import ConfigError
-from cliffscan.services.capture.sources.depth_source import DepthFrame
+from cliffscan.services.capture.config import CaptureConfig
+from cliffscan.services.capture.sources.depth_source import DepthFrame, Source
+from cliffscan.services.capture.sources.simulation import Simulation
 from cliffscan.simulator.camera import SimulatedKinect
 from cliffscan.simulator.kinect import kinect_camera
+
+
+def open_configured(config: CaptureConfig) -> Source:
+    """The camera of a running simulation where one is configured, or else one that stands still in a world.
+
+    Raises SourceLost, ConfigError.
+    """
+    if config.simulation:
+        return Simulation(config.simulation, config.mounted_floor())
+    return Simulated(config.world, config.mounted_floor(), config.rate, config.seed)
 
 
 class Simulated:

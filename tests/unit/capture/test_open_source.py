@@ -2,18 +2,22 @@
 
 import math
 import sys
+from importlib import import_module
 
 import pytest
 
 from cliffscan.common.contract.camera import check_camera
 from cliffscan.common.runtime.config import ConfigError
 from cliffscan.services.capture.config import CaptureConfig
-from cliffscan.services.capture.sources.open_source import KINDS, open_source
+from cliffscan.services.capture.sources.kinds import KINDS
+from cliffscan.services.capture.sources.open_source import open_source
 from tests.build import camera, depth_folder
 
 
 def test_every_source_that_can_be_configured_can_be_opened():
-    assert set(KINDS) == {"simulator", "replay", "kinect"}
+    assert {"simulator", "replay", "kinect"} <= set(KINDS)
+    for kind in KINDS.values():
+        assert callable(import_module(f"cliffscan.services.capture.sources.{kind.module}").open_configured)
 
 
 def test_a_source_must_be_set_and_the_choices_are_named():

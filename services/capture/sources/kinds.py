@@ -1,0 +1,25 @@
+"""Every source of depth frames, in one table: a row and its file are all that a further camera needs."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+
+class Kind(NamedTuple):
+    """How a source is opened, and what its pictures are. A source that is not said to be recorded is live.
+
+    module: a file beside this one; its open_configured(config) makes a Source. extra: what pip installs for it.
+    recorded: a picture may come again. simulated: the pictures are not of where the robot stands now.
+    """
+
+    module: str
+    extra: str = "capture"
+    recorded: bool = False
+    simulated: bool = False
+
+
+KINDS = {
+    "simulator": Kind("simulated", extra="simulator", simulated=True),
+    "replay": Kind("replay", recorded=True, simulated=True),
+    "kinect": Kind("kinect"),
+}
