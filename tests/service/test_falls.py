@@ -14,6 +14,7 @@ def falls(*words):
     return subprocess.run(command, capture_output=True, text=True, timeout=PATIENCE, check=False)
 
 
+@pytest.mark.slow
 def test_a_robot_wanders_and_does_not_fall(tmp_path):
     short = ("--worlds", 1, "--seed", 20, "--speeds", 0.5, "--minutes", 0.2)
     done = falls("--modes", "default", *short, "--out", tmp_path)

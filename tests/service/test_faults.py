@@ -3,12 +3,15 @@
 import subprocess
 import sys
 
+import pytest
+
 from tests.service.test_demo import rows
 
-FAULTS = ["negative killed", "kobuki stopped", "frames frozen"]
+FAULTS = ["kobuki stopped", "frames frozen"]
 PATIENCE = 150  # [s] for kernels that have never been compiled
 
 
+@pytest.mark.slow
 def test_the_robot_stops_does_not_fall_and_goes_on(tmp_path):
     words = ["--trials", len(FAULTS), "--only", *FAULTS, "--out", tmp_path / "faults.md"]
     command = [sys.executable, "-m", "benchmarks.faults", *map(str, words)]
@@ -17,6 +20,6 @@ def test_the_robot_stops_does_not_fall_and_goes_on(tmp_path):
     table = {name: cells for name, *cells in rows(tmp_path / "faults.md")}
     assert set(table) == {*FAULTS, "all"}
     trials, _, slowest, _, left, fell, went_on, _ = table["all"]
-    assert (trials, fell, went_on) == ("3", "0", "3")
+    assert (trials, fell, went_on) == ("2", "0", "2")
     assert float(slowest) < 1.5  # [s] of the simulation
     assert float(left) > 0.0

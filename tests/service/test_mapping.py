@@ -1,5 +1,6 @@
 """A short drive through the simulated landing: all services, three mappers, maps and their scores."""
 
+import pytest
 from PIL import Image
 
 from tests.service.test_demo import experiments, rows
@@ -10,6 +11,7 @@ def cells(text):
     return float(text.split()[0])
 
 
+@pytest.mark.slow
 def test_a_drive_is_mapped_from_three_scans_and_scored(tmp_path):
     done = experiments("--map", "--route", "0.3,0", "--out", tmp_path)
     assert done.returncode == 0, done.stdout + done.stderr

@@ -15,16 +15,7 @@ from cliffscan.services.capture.floor.tracker import FloorTracker
 from cliffscan.services.capture.sources.replay import read_camera, read_depth
 from tests import scenes
 
-REAL = Path(__file__).parents[4] / "shared/data/real"
-MEASURED = (  # the folders of which the figures below are
-    "cape_tunnel",
-    "felix_d435_floor_box",
-    "nvblox_carter_corridor_person",
-    "pcl_five_people_and_milk",
-    "pcl_kinect_grabber_boxes",
-    "pcl_mOSD_table_edge",
-    "tum_fr_desk_table_edge",
-)
+REAL = Path(__file__).parents[2] / "data/real"
 MOUNT = FloorPlane.from_mount(0.30)
 CAMERA = scenes.camera(640, 480, MOUNT, (0.5, 4.5))
 FLAT = {"wall": 20.0}
@@ -173,12 +164,9 @@ def test_a_floor_that_is_everywhere_where_it_can_be_is_found_or_kept(place):
     check_camera(replace(camera, floor=FloorTracker(camera.floor).update(scenes.depth(camera, wall=50.0), camera)))
 
 
-@pytest.mark.skipif(
-    not REAL.is_dir(), reason="no recorded frames: they belong into shared/data/real beside the checkout"
-)
 def test_the_floors_of_recorded_frames_are_found_again():
     kept, off = 0, []
-    for image in sorted(path for folder in MEASURED for path in REAL.glob(f"{folder}/*.png")):
+    for image in sorted(REAL.glob("*/*.png")):
         camera = read_camera(image.parent).camera_of(image.stem)
         forward, left, up = axes(camera.floor)
         normal = up + math.tan(math.radians(1.5)) * forward - math.tan(math.radians(1.5)) * left
@@ -190,6 +178,6 @@ def test_the_floors_of_recorded_frames_are_found_again():
         kept += not tracker.measured
         if tracker.measured:
             off.append(errors(found, camera.floor))
-    assert kept <= 4  # of 34; of those that were recorded from 6 to 17 cm
+    assert kept <= 2  # of 23; of those that were recorded from 6 to 17 cm
     assert (np.median(off, axis=0) <= (0.2, 0.1, 3.0)).all()
     assert (np.quantile(off, 0.9, axis=0) <= (0.5, 0.4, 6.0)).all()

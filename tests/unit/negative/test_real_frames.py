@@ -15,13 +15,9 @@ from cliffscan.services.capture.sources.replay import read_camera, read_depth
 from cliffscan.services.negative.config import NegativeConfig
 from cliffscan.services.negative.scans import beams_by_method
 
-REAL = Path(__file__).parents[4] / "shared/data/real"
+REAL = Path(__file__).parents[2] / "data/real"
 GRID = NegativeConfig().grid()
 BAND = 0.02  # [m] about the plane: its own pixels
-
-pytestmark = pytest.mark.skipif(
-    not REAL.is_dir(), reason="no recorded frames: they belong into shared/data/real beside the checkout"
-)
 
 
 def frames(pattern):

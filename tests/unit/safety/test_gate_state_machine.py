@@ -8,6 +8,7 @@ not; and what was seen, never.
 
 import math
 
+import pytest
 from hypothesis import HealthCheck, settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, initialize, precondition, rule
@@ -140,9 +141,9 @@ class Gate(RuleBasedStateMachine):
         self.trial.carry()
 
 
-TestGate = Gate.TestCase
+TestGate = pytest.mark.slow(Gate.TestCase)
 TestGate.settings = settings(
-    max_examples=20,
+    max_examples=10,
     stateful_step_count=16,
     derandomize=True,
     deadline=None,
