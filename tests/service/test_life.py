@@ -7,7 +7,7 @@ import tomllib
 
 import pytest
 
-from cliffscan.common.runtime.config import SENSING, SERVICES
+from cliffscan.common.runtime.config import SENSING, SERVICES, SHARED
 from cliffscan.services.capture.sources.kinds import KINDS
 from tests.service.conftest import free_endpoint
 
