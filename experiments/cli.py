@@ -23,7 +23,7 @@ from experiments.worlds import run_worlds
 
 WORLDS = ("paper_room", "paper_room_open")  # figures 11 to 13, 17, 18, 21; 14 to 16, 19, 20, 22
 INTERRUPTED = 130
-DESCRIPTION = "The paper's experiments through the real services, or the same pictures of a recording."
+DESCRIPTION = "The paper's experiments through the real services, or the scans of a recording."
 
 
 def build_parser() -> argparse.ArgumentParser:

@@ -7,8 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cliffscan.common.contract.beam_fields import Ranges
-from cliffscan.common.contract.messages import LaserScan
+from cliffscan.common.contract.beam_fields import Beams, Ranges
 from evaluation.score import ON_DROP, WRONG, Tally, Verdict, percentile
 from evaluation.tables import Table, number, percent
 from evaluation.truth.beam_truth import Truth
@@ -48,7 +47,7 @@ class Score(NamedTuple):
     false: float  # share of all beams
 
 
-def score(scans: Sequence[LaserScan], truth: Truth) -> Score:
+def score(scans: Sequence[Beams], truth: Truth) -> Score:
     """The score of scans of one view, by DEFINITIONS."""
     tally = Tally.total([Tally.of(scan, truth) for scan in scans])
     return Score(

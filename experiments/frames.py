@@ -22,8 +22,8 @@ class Frame(NamedTuple):
 
     def with_paper(self) -> Frame:
         """The same with the combination of the paper's methods among the scans, all in ORDER."""
-        one, other = (self.scans[method] for method in PAPER_METHODS)
-        scans = {**self.scans, PAPER: one.model_copy(update=combine([one, other]).arrays())}
+        of_paper = [self.scans[method] for method in PAPER_METHODS]
+        scans = {**self.scans, PAPER: of_paper[0].model_copy(update=combine(of_paper).arrays())}
         return Frame(self.image, {name: scans[name] for name in ORDER if name in scans})
 
 

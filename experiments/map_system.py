@@ -9,12 +9,11 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Sequence
-from contextlib import ExitStack
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from types import TracebackType
-from typing import Literal, Self
+from typing import Literal
 
 from cliffscan.common.contract.camera import FloorPlane
 from cliffscan.common.contract.message import unpack
@@ -49,40 +48,53 @@ class Setting:
     floor: FloorPlane  # as the mount has it
 
 
+@contextmanager
+def map_system(setting: Setting, stop: StopSignal) -> Iterator[MapSystem]:
+    """All processes, which run within the context."""
+    overrides = [f"capture.rate={RATE}", *setting.overrides]
+    name, slip = f"demo-{os.getpid()}", ["--slip-noise", str(SLIP)]
+    plan = Plan(name, [free_endpoint()], overrides=overrides, world=setting.world, simulation=slip)
+    with System(plan, stop) as system:
+        paper = Plan(f"{plan.robot}/{PAPER}", plan.listen, overrides=["profile=paper"])
+        for service in PAPER_SERVICES:
+            system.supervisor.start(f"{PAPER}_{service}", paper.service(service))
+        for name, scan in SCANS.items():
+            system.supervisor.start(f"map_{name}", mapper(setting, plan, name, scan))
+        with Bus(Network("client", [plan.endpoint]), paper.robot) as bus:
+            running = MapSystem(system, bus)
+            relay(system.bus, bus, setting.floor)
+            try:
+                yield running
+            finally:
+                if running.feed:
+                    running.feed.close()
+
+
+def mapper(setting: Setting, plan: Plan, name: str, scan: str) -> list[str]:
+    """The command line of what makes a map of a scan."""
+    network = ["--robot", plan.robot, "--mode", "client", "--connect", plan.endpoint]
+    own = ["--name", name, "--reach", str(REACH), "--out", str(setting.out / f"map_{name}")]
+    return [sys.executable, "-m", f"examples.slam.{setting.mapper}", *network, "--scan", scan, *own]
+
+
+def relay(robot: Bus, paper: Bus, floor: FloorPlane) -> None:
+    """Publish every frame again for the paper's services, with the floor where the mount has it."""
+    publisher = paper.publisher(DEPTH)
+
+    def again(_: str, payload: bytes) -> None:
+        publisher.put(DepthImage.model_construct(**(unpack(payload, DepthImage.most_bytes()) | {"floor": floor})))
+
+    robot.subscribe(DEPTH.path, again)
+
+
 class MapSystem:
-    """A context manager: entering starts everything, leaving ends it. `feed` is there as soon as capture works."""
+    """The running processes. `feed` tells where the robot truly is; it is None before capture works."""
 
-    def __init__(self, setting: Setting, stop: StopSignal) -> None:
-        overrides = [f"capture.rate={RATE}", *setting.overrides]
-        name, end = f"demo-{os.getpid()}", free_endpoint()
-        plan = Plan(name, [end], overrides=overrides, world=setting.world, simulation=["--slip-noise", str(SLIP)])
-        self._system = System(plan, stop)
-        self._setting = setting
+    def __init__(self, system: System, paper: Bus) -> None:
+        self._system = system
         self._paper_alive: set[str] = set()
-        self._feed: TruthFeed | None = None
-        self._exit = ExitStack()
-
-    def __enter__(self) -> Self:
-        with ExitStack() as entered:
-            system = entered.enter_context(self._system)
-            plan = system.plan
-            paper = Plan(f"{plan.robot}/{PAPER}", plan.listen, overrides=["profile=paper"])
-            for name in PAPER_SERVICES:
-                system.supervisor.start(f"{PAPER}_{name}", paper.service(name))
-            for name, scan in SCANS.items():
-                system.supervisor.start(f"map_{name}", self._mapper(plan, name, scan))
-            bus = entered.enter_context(Bus(Network("client", [plan.endpoint]), paper.robot))
-            bus.watch_alive(self._changed)
-            self._relay(bus)
-            self._exit = entered.pop_all()
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        if self._feed:
-            self._feed.close()
-        self._exit.close()
+        self.feed: TruthFeed | None = None
+        paper.watch_alive(self._changed)
 
     @property
     def bus(self) -> Bus:
@@ -105,32 +117,11 @@ class MapSystem:
         paper = [f"{PAPER}/{name}" for name in PAPER_SERVICES]
         return [*SENSING, "kobuki", *paper, *(f"slam-{name}" for name in SCANS)]
 
-    @property
-    def feed(self) -> TruthFeed | None:
-        """Where the robot truly is; None before capture works."""
-        return self._feed
-
     def poll(self) -> None:
         """Look after the processes. Raises ConfigRefused."""
         self._system.poll()
-        if self._feed is None and "capture" in self.alive:
-            self._feed = TruthFeed(f"{self._system.plan.folder}/frames")
-
-    def _mapper(self, plan: Plan, name: str, scan: str) -> list[str]:
-        network = ["--robot", plan.robot, "--mode", "client", "--connect", plan.endpoint]
-        own = ["--name", name, "--reach", str(REACH), "--out", str(self._setting.out / f"map_{name}")]
-        module = f"examples.slam.{self._setting.mapper}"
-        return [sys.executable, "-m", module, *network, "--scan", scan, *own]
+        if self.feed is None and "capture" in self.alive:
+            self.feed = TruthFeed(f"{self._system.plan.folder}/frames")
 
     def _changed(self, service: str, alive: bool) -> None:
         (self._paper_alive.add if alive else self._paper_alive.discard)(service)
-
-    def _relay(self, paper: Bus) -> None:
-        """Say every frame again for the paper's services, with the floor where the mount has it."""
-        publisher = paper.publisher(DEPTH)
-        floor = {"floor": self._setting.floor}
-
-        def again(_: str, payload: bytes) -> None:
-            publisher.put(DepthImage.model_construct(**(unpack(payload, DepthImage.most_bytes()) | floor)))
-
-        self.bus.subscribe(DEPTH.path, again)

@@ -25,7 +25,7 @@ from evaluation.processes.truth_feed import Truth
 from evaluation.processes.watch import Failed, Watch
 from evaluation.tables import Table, percent
 from evaluation.truth.map_truth import Ground, seen
-from experiments.map_system import REACH, SCANS, Mapper, MapSystem, Setting
+from experiments.map_system import REACH, SCANS, Mapper, MapSystem, Setting, map_system
 from experiments.run import Run, tell, telling
 from experiments.survey import Survey
 
@@ -44,7 +44,7 @@ ROUND: Sequence[Step] = (
 )
 ROOM = 1024  # samples that may wait to be read
 TURN = 0.1  # [s] the longest wait, so how often the processes are looked after
-# of the first second: kobuki is started before its port is there, and fuse is ready before it hears both its sides
+# of the first second: kobuki is started before its port is there, and fuse is ready before it receives both its sides
 EXPECTED = ("kobuki: port_lost", "kobuki: baseline", "fuse: incomplete")
 VIEWS = 4  # of so many viewpoints one is asked what is in view
 
@@ -123,7 +123,7 @@ def drive_round(run: Run, mapper: Mapper, steps: Sequence[Step], log: ServiceLog
     mount = run.config("capture", CaptureConfig)
     setting = Setting(WORLD, mapper, run.out, run.overrides, mount.mounted_floor())
     task = progress.add_task(setting.world, total=None)
-    with MapSystem(setting, run.stop) as system:
+    with map_system(setting, run.stop) as system:
         run.stop.patient = True
         survey = Survey(steps, SCANS, system.bus.publisher(VELOCITY))
         for state in lead(system, survey):
@@ -145,7 +145,7 @@ def drive_round(run: Run, mapper: Mapper, steps: Sequence[Step], log: ServiceLog
 
 
 def lead(system: MapSystem, survey: Survey) -> Iterator[str]:
-    """Let the survey hear all that is said until it is done; what is waited for, again and again. Raises Failed."""
+    """Let the survey receive all it needs until it is done; what is waited for, again and again. Raises Failed."""
     queue: LatestQueue[tuple[str, bytes]] = LatestQueue(ROOM)
     for path in survey.paths:
         system.bus.subscribe(path, lambda key, payload: queue.put((key, payload)))
@@ -155,7 +155,7 @@ def lead(system: MapSystem, survey: Survey) -> Iterator[str]:
         yield watch.state
         arrived = queue.get(TURN)
         if arrived:
-            survey.hear(*arrived, go=watch.started and system.feed is not None)
+            survey.receive(*arrived, go=watch.started and system.feed is not None)
 
 
 def about(drive: Drive) -> str:

@@ -1,4 +1,4 @@
-"""A drive and all that is said on it: the robot is led along its steps, maps and poses are kept, and some frames."""
+"""A drive and all that is published on it: the robot is led along its steps, maps, poses and some frames are kept."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ FRAME_PERIOD = 400_000_000  # [ns] between two frames that are kept
 
 
 class Survey:
-    """Hears everything, drives when asked to; done when the steps are, and the maps show what was seen until then."""
+    """Receives all, drives when asked to; done when the steps are, and the maps show what was seen until then."""
 
     unit = "steps and maps"
     patience = 60.0  # [s]
@@ -36,7 +36,7 @@ class Survey:
 
     @property
     def paths(self) -> list[str]:
-        """What to hear."""
+        """What to receive."""
         own = [f"{topic.path}/{name}" for topic in (MAP, POSE) for name in self.maps]
         return [ODOMETRY.path, DEPTH.path, *self._scans, *own]
 
@@ -46,8 +46,8 @@ class Survey:
         drawn = [grids for grids in self.maps.values() if grids and self._ended and grids[-1].stamp >= self._ended]
         return self.driver.done + len(drawn)
 
-    def hear(self, path: str, payload: bytes, go: bool) -> None:
-        """Take in what was said on a path; drive on if `go`."""
+    def receive(self, path: str, payload: bytes, go: bool) -> None:
+        """Take in what was published on a path; drive on if `go`."""
         if path == ODOMETRY.path and go:
             self._drive(Odometry.decode(payload))
         elif path in self._scans or path == DEPTH.path:

@@ -21,7 +21,7 @@ from cliffscan.safety.pose2d import Floats, Pose2D
 APART = 0.07  # [m] by the odometry between the two scans
 LONGEST = 1.5  # [s] between them
 TURNED = math.radians(10)  # by which the robot may turn in between
-FACTORS = np.array([0.5, 0.75, 1.0, 1.25, 1.5, 1.75, 2.0, 2.5, 3.0, 4.0])  # of the way that the odometry tells
+FACTORS = np.array([0.5, 0.75, 1.0, 1.25, 1.5, 1.75, 2.0, 2.5, 3.0, 4.0])  # of the way by the odometry
 WRONG = 1.6  # a factor from which on the odometry is wrong; at 80 % of the way it is 1.25
 MISFIT = 0.03  # [m] median of the ranges' differences, for the odometry as it is, below which it fits
 BETTER = 0.5  # of that misfit: at most so much is left where the longer way fits

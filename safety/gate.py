@@ -94,7 +94,7 @@ class SafetyGate:
             self._grid.mark(scan.ranges, scan.edges, scan.angles, camera)
             return
         self._scan_taken, self._scan_came = taken, now
-        self._grid.see(*scan, camera, self.view.nearest)
+        self._grid.see(*scan, camera, self.view.floor)
         if wrong := self._approach.see(Glance(scan.ranges, scan.angles, camera, taken)):
             self.distrust(wrong)
 

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from cliffscan.safety.beam_clearance import sector, seen_past
 from cliffscan.safety.pose2d import Floats, Pose2D
+from cliffscan.safety.visible_floor import VisibleFloor
 
 Mask = NDArray[np.bool_]
 
@@ -21,6 +22,7 @@ HALF_CELL = CELL * math.sqrt(0.5)  # [m] from a cell's middle to its corners
 MEMORY = 3.0  # [m] what lies farther off is forgotten
 CELLS = 2 * round(MEMORY / CELL)
 LOOK = 1.5  # [m] around the robot within which floor is seen to be free, and as far as it looks ahead
+GUESS_REACH = 0.9  # [m] from the camera up to which floor that it cannot see is guessed: a level one of 0.30 m needs it
 BESIDE = 0.2  # [m] along which an edge that is seen may go on where it is not
 WIDEST = math.radians(80.0)  # a scan is taken in that far to either side
 
@@ -64,20 +66,19 @@ class RollingGrid:
         seen = self._seen[near]
         seen[covered & (seen <= UNKNOWN) & ~self._touched[near]] = FREE
 
-    def see(
-        self, ranges: Floats, edges: Mask, free: Floats, angles: Floats, pose: Pose2D, nearest_floor: float
-    ) -> None:
+    def see(self, ranges: Floats, edges: Mask, free: Floats, angles: Floats, pose: Pose2D, floor: VisibleFloor) -> None:
         """Take in a scan made at `pose`: (beams,) each, at evenly spaced angles [rad].
 
         ranges [m]: numbers are where something is in the way or, where `edges` says so, the floor ends; free [m]: how
-        far a beam shows floor. A cell is free when every beam that crosses it shows floor beyond it. Nearer than
-        `nearest_floor` [m] the camera sees no floor: there a cell in the way stays what it is, and one not known is
-        guessed to be free together with the floor behind it, for a hole that begins unseen is first reported at
-        `nearest_floor`; but not BESIDE an edge, which may go on there.
+        far a beam shows floor. A cell is free when every beam that crosses it shows floor beyond it and the camera can
+        see all of it. Where it cannot, nearer than floor begins in its view, a cell in the way stays what it is, and
+        one not known is guessed to be free together with the floor behind it, for a hole that begins unseen is first
+        reported where the view begins. Not BESIDE an edge, though, which may go on there; and not where the view begins
+        beyond GUESS_REACH, for a hole may begin and end before that.
         """
         self.mark(ranges, edges, angles, pose)
         if len(angles) > 1:
-            self._free(free, angles, pose, nearest_floor)
+            self._free(free, angles, pose, floor)
 
     def mark(self, ranges: Floats, edges: Mask, angles: Floats, pose: Pose2D) -> None:
         """Take in of such a scan what is in the way."""
@@ -115,7 +116,7 @@ class RollingGrid:
         place = self._places(point)
         return "what was touched" if self._touched[place][0] else KINDS[int(self._seen[place][0])]
 
-    def _free(self, free: Floats, angles: Floats, pose: Pose2D, nearest_floor: float) -> None:
+    def _free(self, free: Floats, angles: Floats, pose: Pose2D, floor: VisibleFloor) -> None:
         """Free what beams cross that show floor up to `free` [m]; what was seen free already need not be looked at."""
         side = min(max(-angles[0], angles[-1]), WIDEST)
         ahead, around = sector(LOOK, side)
@@ -128,11 +129,12 @@ class RollingGrid:
         rows, columns = np.nonzero((np.abs(y) < x * math.tan(side)) & (cells != FREE) & untouched)
         if rows.size:
             x, y, state = x[rows, columns], y[rows, columns], cells[rows, columns]
-            distances = np.hypot(x, y)
-            least = seen_past(distances, np.arctan2(y, x), HALF_CELL, free, angles)
-            shown = (least > np.maximum(distances, nearest_floor) + HALF_CELL) & (distances <= LOOK + CELL)
-            seen = shown & (distances >= nearest_floor + HALF_CELL)
-            guessed = shown & ~seen & (state == UNKNOWN) & ~beside[rows, columns]
+            distances, azimuths = np.hypot(x, y), np.arctan2(y, x)
+            least = seen_past(distances, azimuths, HALF_CELL, free, angles)
+            shown = (least > np.maximum(distances, floor.nearest) + HALF_CELL) & (distances <= LOOK + CELL)
+            seen = shown & (distances >= floor.nearest + HALF_CELL) & floor.holds(x, y, HALF_CELL)
+            guessable = (distances < GUESS_REACH) & floor.begins_within(azimuths, GUESS_REACH)
+            guessed = shown & ~seen & (state == UNKNOWN) & ~beside[rows, columns] & guessable
             cells[rows[seen], columns[seen]] = FREE
             cells[rows[guessed], columns[guessed]] = GUESSED
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 
-from cliffscan.common.contract.base_messages import Velocity
+from cliffscan.common.contract.base_messages import SafetyState, Velocity
 from cliffscan.common.contract.messages import LaserScan
 from cliffscan.safety import scan_claims
 from cliffscan.safety.command_arbiter import CommandArbiter
@@ -85,6 +85,19 @@ class MessageGate:
         """What goes to the wheels; refusal: why the driver refuses the base, or nothing."""
         self.decision = self._gate.decide(self._arbiter.newest, now, refusal)
         return self.decision
+
+    def state(self, stamp: int, now: float) -> SafetyState:
+        """The last decision, as it is published."""
+        decision = self.decision
+        return SafetyState(
+            stamp=stamp,
+            rule=decision.rule,
+            distance=decision.distance,
+            asked=decision.asked,
+            allowed=decision.allowed,
+            latched=self.latched,
+            note=self.note(now),
+        )
 
     def note(self, now: float) -> str:
         """What a person should know of the last decision."""

@@ -13,11 +13,11 @@ from cliffscan.common.contract.evidence import EDGES
 from cliffscan.common.contract.messages import LaserScan
 from cliffscan.safety.local_grid import WIDEST
 from cliffscan.safety.pose2d import Floats, Pose2D
+from cliffscan.safety.visible_floor import VisibleFloor
 
 AHEAD = 0.04  # [s], a frame's time, by which a stamp may be ahead of our clock
 WIDEST_BEAM = 0.12  # [rad] half a robot's width where floor is farthest seen to be free
 FARTHEST_ANGLE = 2.0 * math.pi  # [rad]
-UNDESCRIBED_NEAREST = 0.75  # [m] a TurtleBot 2's Kinect sees floor from 0.71 m on, and from here if it nods by a degree
 SLACK = math.radians(1.0)  # by which a beam may be aside of the view and still see its outermost pixels
 
 
@@ -25,7 +25,7 @@ class View(NamedTuple):
     """The part of the floor that a camera can see, from the floor's point below it."""
 
     camera: Pose2D  # that point, and where the camera looks, on the robot
-    nearest: float  # [m] along its axis
+    floor: VisibleFloor
     farthest: float  # [m]
     right: float  # [rad] azimuths
     left: float
@@ -34,17 +34,17 @@ class View(NamedTuple):
     def undescribed(cls) -> Self:
         """What is taken for seen where nobody describes the camera: a TurtleBot 2's.
 
-        Whatever publishes scans without a description is taken for such a camera, as most are; nobody can know better.
-        One that stands higher is to be described, for then floor that it cannot see is not taken for free.
+        The contract lets scans come without a description, of a camera of one's own, and a gate that freed nothing then
+        would let no such robot drive. So it assumes the mount that it was always built for. A camera that stands higher
+        must be described: then nothing is freed that it cannot see.
         """
-        return cls(
-            Pose2D(TURTLEBOT_2.x, TURTLEBOT_2.y, TURTLEBOT_2.yaw), UNDESCRIBED_NEAREST, math.inf, -WIDEST, WIDEST
-        )
+        return cls(Pose2D(*TURTLEBOT_2), VisibleFloor.undescribed(), math.inf, -WIDEST, WIDEST)
 
     @classmethod
     def of(cls, camera: CameraDescription) -> Self:
         """What a described camera sees."""
-        return cls(Pose2D(camera.x, camera.y, camera.yaw), camera.nearest_floor, camera.farthest, *camera.field_of_view)
+        place = Pose2D(camera.x, camera.y, camera.yaw)
+        return cls(place, VisibleFloor.of(camera), camera.farthest, *camera.field_of_view)
 
     def within(self, free: Floats, angles: Floats) -> Floats:
         """How far [m] beams may show floor, of what they claim: (beams,) each, and angles [rad]."""

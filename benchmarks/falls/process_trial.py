@@ -22,7 +22,7 @@ from cliffscan.common.runtime.service import StopSignal
 from cliffscan.safety.inputs import REST, Twist
 from cliffscan.safety.rules import Decision
 from cliffscan.simulator.world import Pose, World
-from evaluation.processes.driven import DrivenRobot, Interrupted
+from evaluation.processes.driven import DrivenRobot, Interrupted, driven_robot
 from evaluation.processes.service_log import ServiceLog
 from evaluation.processes.truth_feed import TruthFeed
 
@@ -44,7 +44,7 @@ class ProcessTrial:
         self._cliff = False  # since the last look
         self._scans: LatestQueue[LaserScan] = LatestQueue()
         wheels = ["--slip-noise", str(ENCODER_NOISE)]
-        self._robot = DrivenRobot("falls", case.world, stop, wheels, OVERRIDES[case.mode])
+        self._robot = driven_robot("falls", case.world, stop, wheels, OVERRIDES[case.mode])
 
     def run(self, seconds: float) -> Outcome:
         """Start the processes, let that much time [s] of the simulation pass, end them.

@@ -29,7 +29,8 @@ class Sight:
     def __init__(self, low: tuple[float, float], shape: tuple[int, int]) -> None:
         self._low = np.array(low)[:, None]
         self._marks = np.zeros((2 * shape[0], 2 * shape[1]), dtype=np.int8)
-        self._mount, self._blind = View.undescribed()[:2]
+        view = View.undescribed()
+        self._mount, self._blind = view.camera, view.floor.nearest
         self._shut: Mask | None = None
 
     def see(self, pose: Pose, scan: LaserScan) -> None:

@@ -13,9 +13,10 @@ from benchmarks.falls.cases import Case
 from benchmarks.falls.driver import Driver
 from benchmarks.falls.log import Log
 from benchmarks.falls.outcome import Outcome
-from benchmarks.falls.perception import perception
+from benchmarks.falls.perception import FRAME, perception
 from benchmarks.falls.watch import Look
 from cliffscan.common.contract.base_messages import Velocity
+from cliffscan.common.contract.description import CameraDescription
 from cliffscan.common.contract.messages import LaserScan
 from cliffscan.services.kobuki.config import KobukiConfig
 from cliffscan.services.kobuki.controller import BaseController
@@ -45,6 +46,7 @@ class Trial:
         self.log = Log(case, self.robot.world)
         self._controller = BaseController(KobukiConfig(), lambda what, why: log.debug("%s: %s", what, why))
         self._controller.connect(simulated=True, now=0.0)
+        self._controller.describe(CameraDescription.of(self.robot.camera, FRAME, simulated=True))
         self._core: Core | None = None
         self._driver = Driver(tuple(self.log.floor.low), tuple(self.log.floor.high), case.speed, self.random)
         self._scan_of = perception(case.mode, self.robot.camera)

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from benchmarks.faults.faults import known_faults
 from benchmarks.faults.report import table
-from benchmarks.faults.rig import Rig
+from benchmarks.faults.rig import running_rig
 from benchmarks.faults.trial import Outcome, run_trial
 from cliffscan.common.runtime.service import StopSignal
 from evaluation.processes.driven import Interrupted
@@ -32,7 +32,7 @@ def arguments() -> argparse.Namespace:
 def trials(count: int, names: list[str], rng: random.Random, stop: StopSignal) -> list[Outcome]:
     """Run so many trials, in rounds of all faults in random order; what is done when told to stop is the result."""
     faults, outcomes, order = known_faults(), list[Outcome](), list[str]()
-    with suppress(Interrupted), Rig(stop, rng) as rig:
+    with suppress(Interrupted), running_rig(stop, rng) as rig:
         while len(outcomes) < count:
             order = order or rng.sample(names, len(names))
             name = order.pop()

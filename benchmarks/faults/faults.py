@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import signal
 from collections.abc import Callable
-from functools import partial
 from typing import NamedTuple
 
 from benchmarks.faults.frame_relay import Mode
@@ -16,13 +15,12 @@ from benchmarks.faults.rig import Rig
 from cliffscan.common.runtime.config import SERVICES
 
 PROCESSES = ("router", *SERVICES)
-LATE = 0.6  # [s] of a late frame
 CUT = 1.5  # [s] of the serial line
 CREEPING = (4.0, 8.0)  # [s] of a fault that shows on the way only
 FLOODED = 0.3  # [s] of a flood before the stop
 SLOW = 1200  # [bytes/s] of a slow one, a tenth of the real one
 
-Deed = Callable[[Rig], None]
+Deed = Callable[[Rig], object]
 
 
 def nothing(rig: Rig) -> None:
@@ -38,52 +36,60 @@ class Fault(NamedTuple):
     lasts: tuple[float, float] = (1.2, 2.5)  # [s] from its beginning to its end
 
 
-def tell(name: str, number: signal.Signals, rig: Rig) -> None:
+def sent(name: str, number: signal.Signals) -> Deed:
     """Send a signal to a process."""
-    rig.send(name, number)
+    return lambda rig: rig.send(name, number)
 
 
-def start(name: str, rig: Rig) -> None:
+def started(name: str) -> Deed:
     """Start a process."""
-    rig.start(name)
+    return lambda rig: rig.start(name)
 
 
-def frames(mode: Mode, rig: Rig) -> None:
+def frames(mode: Mode) -> Deed:
     """Have the frames come so from now on."""
-    rig.relay.mode, rig.relay.delay = mode, LATE
+    return lambda rig: rig.relay.become(mode)
 
 
-def line(command: str, rig: Rig) -> None:
+def line(command: str) -> Deed:
     """Have something done to the serial line."""
-    rig.remote.tell(command)
+    return lambda rig: rig.remote.tell(command)
 
 
-def quiet(silent: bool, rig: Rig) -> None:
-    """Have the driver say nothing, or go on."""
-    rig.quiet = silent
-
-
-def encoders(share: float, rig: Rig) -> None:
-    """Have the encoders count a share of the way; what the gate then no longer believes, an operator clears."""
-    rig.remote.tell(f"encoders {share} {share}")
-    if share == 1.0:
-        rig.ask("clear_safety")
-
-
-def late(on: bool, rig: Rig) -> None:
-    """Hold the driver's commands back, and let them arrive in bursts."""
-    rig.late = on
-    if not on:
-        rig.burst()
-
-
-def intrude(kind: str, rig: Rig) -> None:
+def intruder(kind: str) -> Deed:
     """Let somebody else onto the network."""
-    rig.intrude(kind)
+    return lambda rig: rig.intrude(kind)
+
+
+def quiet(rig: Rig) -> None:
+    """Have the driver publish nothing."""
+    rig.quiet = True
+
+
+def loud(rig: Rig) -> None:
+    """Have it go on."""
+    rig.quiet = False
+
+
+def late(rig: Rig) -> None:
+    """Hold the driver's commands back, and let them arrive in bursts."""
+    rig.late = True
+
+
+def prompt(rig: Rig) -> None:
+    """Let them through again."""
+    rig.late = False
+    rig.burst()
+
+
+def counting(rig: Rig) -> None:
+    """Have the encoders count the whole way; what the gate no longer believes, an operator clears."""
+    rig.remote.tell("encoders 1.0 1.0")
+    rig.ask("clear_safety")
 
 
 def released(rig: Rig) -> None:
-    """Let it begin."""
+    """Let the intruder begin."""
     rig.intrusion.release()
 
 
@@ -95,13 +101,13 @@ def ended(rig: Rig) -> None:
 def blind(rig: Rig) -> None:
     """The camera is gone, and only somebody else publishes scans."""
     released(rig)
-    rig.relay.mode = "dropped"
+    rig.relay.become("dropped")
 
 
 def sighted(rig: Rig) -> None:
     """The camera is back, and nobody else publishes scans."""
     ended(rig)
-    rig.relay.mode = "pass"
+    rig.relay.become("pass")
 
 
 def flood(rig: Rig) -> None:
@@ -123,27 +129,25 @@ def known_faults() -> dict[str, Fault]:
     """All faults by name."""
     found: dict[str, Fault] = {}
     for name in PROCESSES:
-        found[f"{name} killed"] = Fault(partial(tell, name, signal.SIGKILL), nothing)
-        frozen, on = partial(tell, name, signal.SIGSTOP), partial(tell, name, signal.SIGCONT)
-        found[f"{name} stopped"] = Fault(frozen, on)
-        found[f"{name} restarted"] = Fault(partial(tell, name, signal.SIGTERM), partial(start, name))
-    passing = partial(frames, "pass")
+        found[f"{name} killed"] = Fault(sent(name, signal.SIGKILL), nothing)
+        found[f"{name} stopped"] = Fault(sent(name, signal.SIGSTOP), sent(name, signal.SIGCONT))
+        found[f"{name} restarted"] = Fault(sent(name, signal.SIGTERM), started(name))
     return found | {
-        "frames late": Fault(partial(frames, "late"), passing),
-        "frames frozen": Fault(partial(frames, "frozen"), passing),
-        "frames dropped": Fault(partial(frames, "dropped"), passing),
-        "line cut": Fault(partial(line, f"unplug {CUT}"), nothing),
-        "line mute": Fault(partial(line, f"pause {CUT}"), nothing),
-        "frames repeated": Fault(partial(frames, "repeated"), passing),
-        "base clock stuck": Fault(partial(line, "clock off"), partial(line, "clock on")),
-        "packets repeated": Fault(partial(line, "repeat on"), partial(line, "repeat off")),
-        "encoders stuck": Fault(partial(encoders, 0.0), partial(encoders, 1.0)),
-        "odometry at half": Fault(partial(encoders, 0.5), partial(encoders, 1.0), lasts=CREEPING),
-        "slow port": Fault(partial(line, f"slow {SLOW}"), partial(line, "slow 0")),
-        "commands in bursts": Fault(partial(late, True), partial(late, False)),
-        "two drivers": Fault(released, ended, partial(intrude, "drive")),
-        "flooded bus, then stop": Fault(flood, ebb, partial(intrude, "flood")),
-        "scans from the future": Fault(blind, sighted, partial(intrude, "future")),
-        "scans of two beams": Fault(blind, sighted, partial(intrude, "two_beams")),
-        "driver silent": Fault(partial(quiet, True), partial(quiet, False)),
+        "frames late": Fault(frames("late"), frames("pass")),
+        "frames frozen": Fault(frames("frozen"), frames("pass")),
+        "frames dropped": Fault(frames("dropped"), frames("pass")),
+        "line cut": Fault(line(f"unplug {CUT}"), nothing),
+        "line mute": Fault(line(f"pause {CUT}"), nothing),
+        "frames repeated": Fault(frames("repeated"), frames("pass")),
+        "base clock stuck": Fault(line("clock off"), line("clock on")),
+        "packets repeated": Fault(line("repeat on"), line("repeat off")),
+        "encoders stuck": Fault(line("encoders 0.0 0.0"), counting),
+        "odometry at half": Fault(line("encoders 0.5 0.5"), counting, lasts=CREEPING),
+        "slow port": Fault(line(f"slow {SLOW}"), line("slow 0")),
+        "commands in bursts": Fault(late, prompt),
+        "two drivers": Fault(released, ended, intruder("drive")),
+        "flooded bus, then stop": Fault(flood, ebb, intruder("flood")),
+        "scans from the future": Fault(blind, sighted, intruder("future")),
+        "scans of two beams": Fault(blind, sighted, intruder("two_beams")),
+        "driver silent": Fault(quiet, loud),
     }

@@ -15,6 +15,7 @@ from cliffscan.simulator.wire import FrameReader, WireFrame
 Mode = Literal["pass", "late", "frozen", "repeated", "dropped"]
 
 PATIENCE = 5.0  # [s]
+LATE = 0.6  # [s] of a late frame
 READ_SIZE = 1 << 20  # [bytes]
 
 
@@ -22,14 +23,17 @@ class FrameRelay:
     """Hears frames at one address and tells them at another. Raises OSError, WireError."""
 
     def __init__(self, source: str, address: str) -> None:
-        self.delay = 0.0  # [s] of a late frame
-        self.mode: Mode = "pass"
+        self.become("pass")
         self._server = FrameServer(address)
         self._connection = wire.connect(source, PATIENCE)
         self._connection.settimeout(None)
         self._waiting: deque[tuple[float, WireFrame]] = deque()  # when it came, and the frame
         self._last: WireFrame
         threading.Thread(target=self._listen, daemon=True).start()
+
+    def become(self, mode: Mode) -> None:
+        """Treat frames so from now on."""
+        self._mode, self._delay = mode, LATE if mode == "late" else 0.0
 
     def close(self) -> None:
         """Hang up on both sides."""
@@ -48,17 +52,16 @@ class FrameRelay:
 
         A frozen camera repeats its last image with the stamp that it had, a hung driver repeats it with a fresh one.
         """
-        if self.mode == "dropped":
+        if self._mode == "dropped":
             return
-        if self.mode == "frozen":
+        if self._mode == "frozen":
             self._server.offer(wire.pack(*self._last))
             return
-        if self.mode == "repeated":
+        if self._mode == "repeated":
             header, image = self._last
             self._server.offer(wire.pack({**header, "stamp": frame[0]["stamp"]}, image))
             return
         self._waiting.append((time.monotonic(), frame))
-        delay = self.delay if self.mode == "late" else 0.0
-        while self._waiting and time.monotonic() - self._waiting[0][0] >= delay:
+        while self._waiting and time.monotonic() - self._waiting[0][0] >= self._delay:
             self._last = self._waiting.popleft()[1]
             self._server.offer(wire.pack(*self._last))

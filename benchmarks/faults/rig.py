@@ -6,11 +6,11 @@ import os
 import random
 import signal
 import time
-from contextlib import ExitStack
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from types import TracebackType
-from typing import NamedTuple, Self
+from typing import NamedTuple
 
 from benchmarks.faults.frame_relay import FrameRelay
 from benchmarks.faults.intruder import Intrusion
@@ -19,7 +19,7 @@ from cliffscan.common.contract.base_messages import Velocity
 from cliffscan.common.runtime.service import StopSignal
 from cliffscan.simulator.kobuki.client import Remote
 from cliffscan.simulator.world import Pose
-from evaluation.processes.driven import SOURCE, DrivenRobot
+from evaluation.processes.driven import SOURCE, DrivenRobot, driven_robot
 
 TURNING, ONCE = 0.6, 13.0  # [rad/s], [s]
 OUTAGE = 1.5  # [s] after which held commands arrive in a burst
@@ -35,34 +35,30 @@ class Sample(NamedTuple):
     fallen: bool
 
 
-class Rig:
-    """A context manager: entering starts everything. `step` is to be called again and again, for it also drives."""
+@contextmanager
+def running_rig(stop: StopSignal, rng: random.Random) -> Iterator[Rig]:
+    """All processes, which run within the context. Raises TimeoutError, Interrupted."""
+    with TemporaryDirectory(prefix="faults-") as folder, ExitStack() as entered:
+        frames = Path(folder) / "frames"
+        options = ["--frames", str(frames), "--start", *map(str, START[:2]), "0"]
+        robot = entered.enter_context(driven_robot("faults", WORLD, stop, options))
+        robot.wait(frames.is_socket, "the simulation")
+        relay = FrameRelay(str(frames), str(robot.folder / "frames"))
+        entered.callback(relay.close)
+        robot.ready()
+        yield Rig(robot, relay, Shuttle(rng), entered)
 
-    def __init__(self, stop: StopSignal, rng: random.Random) -> None:
-        self.quiet = False  # the driver says nothing
-        self.late = False  # what the driver says comes in bursts
+
+class Rig:
+    """A robot that is driven to and fro: `step` is to be called again and again. What is entered is ended at last."""
+
+    def __init__(self, robot: DrivenRobot, relay: FrameRelay, shuttle: Shuttle, entered: ExitStack) -> None:
+        self.relay = relay
+        self.quiet = False  # the driver publishes nothing
+        self.late = False  # what the driver publishes comes in bursts
         self._held: list[Velocity] = []  # commands that wait for the next burst
         self._turning = False
-        self._stop = stop
-        self._shuttle = Shuttle(rng)
-        self._exit = ExitStack()
-
-    def __enter__(self) -> Self:
-        with ExitStack() as entered:
-            frames = Path(entered.enter_context(TemporaryDirectory(prefix="faults-"))) / "frames"
-            options = ["--frames", str(frames), "--start", *map(str, START[:2]), "0"]
-            self._robot = entered.enter_context(DrivenRobot("faults", WORLD, self._stop, options))
-            self._robot.wait(frames.is_socket, "the simulation")
-            self.relay = FrameRelay(str(frames), str(self._robot.folder / "frames"))
-            entered.callback(self.relay.close)
-            self._robot.ready()
-            self._exit = entered.pop_all()
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        self._exit.close()
+        self._robot, self._shuttle, self._entered = robot, shuttle, entered
 
     @property
     def remote(self) -> Remote:
@@ -101,7 +97,7 @@ class Rig:
     def intrude(self, kind: str) -> None:
         """Let a program of somebody else's onto the network; it waits for `intrusion.release()`."""
         plan = self._robot.system.plan
-        self.intrusion = self._exit.enter_context(Intrusion(kind, plan.robot, plan.endpoint))
+        self.intrusion = self._entered.enter_context(Intrusion(kind, plan.robot, plan.endpoint))
 
     def ask(self, name: str) -> None:
         """Ask the base's service for something, as an operator would."""

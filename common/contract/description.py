@@ -15,7 +15,12 @@ from cliffscan.common.contract.message import ListAsTuple, Message, Part, Stamp
 Metres = Annotated[float, Field(ge=0, le=1e5)]
 Coordinate = Annotated[float, limits.COORDINATE]
 Angle = Annotated[float, limits.HEADING]
-Azimuths = Annotated[tuple[float, float], ListAsTuple]
+Pair = Annotated[tuple[float, float], ListAsTuple]
+Point = Annotated[tuple[Coordinate, Coordinate], ListAsTuple]
+Polygon = Annotated[tuple[Point, ...], ListAsTuple, Field(max_length=16)]  # convex
+
+KINECT_NOISE = 1.65e-3  # [1/m] 1.425e-3 of noise with the rounding to steps of 2.85e-3
+KINECT_BASELINE = 0.075  # [m] between its camera and its projector
 
 
 class Place(NamedTuple):
@@ -36,13 +41,27 @@ class CameraDescription(Part):
     simulated: bool  # whether its pictures are of a simulated or a recorded world
     nearest_floor: Metres  # [m] from the point below the camera straight ahead to the first floor it sees there
     farthest: Metres  # [m] horizontally, at most, to anything it measures
-    field_of_view: Azimuths  # [rad] rightmost and leftmost azimuth at which it sees floor ahead
+    field_of_view: Pair  # [rad] rightmost and leftmost azimuth at which it sees floor ahead
     x: Coordinate = TURTLEBOT_2.x  # [m] where it stands on the base
     y: Coordinate = TURTLEBOT_2.y
     yaw: Angle = TURTLEBOT_2.yaw  # [rad]
+    height: Metres | None = None  # [m] above the floor
+    pitch: Angle | None = None  # [rad] it looks down
+    roll: Angle | None = None  # [rad] it leans to its right
+    noise: Annotated[float, Field(ge=0, le=1)] = KINECT_NOISE  # [1/m] standard deviation of its inverse depth
+    baseline: Annotated[float, Field(ge=0, le=10)] = KINECT_BASELINE  # [m] between its two eyes
+    visible_floor: Polygon = ()  # [m] corners x, y of the floor in view, from the point below the camera
 
     @classmethod
-    def of(cls, camera: Camera, frame: str, simulated: bool, place: Place = TURTLEBOT_2) -> Self:
+    def of(
+        cls,
+        camera: Camera,
+        frame: str,
+        simulated: bool,
+        place: Place = TURTLEBOT_2,
+        noise: float = KINECT_NOISE,
+        baseline: float = KINECT_BASELINE,
+    ) -> Self:
         """The description of a possible camera over an endless floor without anything on it.
 
         `nearest_floor` is `farthest` where no floor is seen straight ahead, the field of view (0, 0) where none is.
@@ -51,10 +70,18 @@ class CameraDescription(Part):
         farthest = reach(camera)
         ahead = straight_ahead(floor)
         azimuths = np.arctan2(floor[:, 1], floor[:, 0])
+        corners = camera.floor.d * floor[:, :2] / -floor[:, 2:]
+        height, pitch, roll = camera.floor.mount()
         return cls(
             frame=frame,
             simulated=simulated,
             **place._asdict(),
+            height=height,
+            pitch=pitch,
+            roll=roll,
+            noise=noise,
+            baseline=baseline,
+            visible_floor=tuple((float(x), float(y)) for x, y in corners),
             nearest_floor=max(float((camera.floor.d * ahead[:, 0] / -ahead[:, 2]).min(initial=farthest)), 0.0),
             farthest=farthest,
             field_of_view=(float(azimuths.min()), float(azimuths.max())) if len(floor) else (0.0, 0.0),
@@ -66,6 +93,7 @@ class BodyDescription(Part):
 
     simulated: bool  # whether its port leads to an emulated base
     radius: Metres  # [m]
+    height: Metres | None = None  # [m] what is higher the robot passes under
 
 
 class RobotDescription(Message):

@@ -5,10 +5,10 @@ from __future__ import annotations
 import json
 import os
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
-from types import TracebackType
-from typing import Any, Self
+from typing import Any
 
 from cliffscan.common.contract.base_messages import Velocity
 from cliffscan.common.contract.topics import VELOCITY, command
@@ -28,31 +28,25 @@ class Interrupted(Exception):
     """The benchmark was told to end."""
 
 
-class DrivenRobot:
-    """A context manager: entering starts the processes, `ready` waits for them, leaving ends them.
+@contextmanager
+def driven_robot(
+    name: str, world: str, stop: StopSignal, simulation: Sequence[str] = (), overrides: Sequence[str] = ()
+) -> Iterator[DrivenRobot]:
+    """A robot whose processes run within the context.
 
-    name: what its robot and it are called; simulation: options of `python -m simulator`; overrides: SERVICE.KEY=VALUE.
+    name: what its robot is called; simulation: options of `python -m simulator`; overrides: SERVICE.KEY=VALUE.
     """
+    robot, settings = f"{name}-{os.getpid()}", [f"capture.rate={RATE}", *overrides]
+    with System(Plan(robot, [free_endpoint()], overrides=settings, world=world, simulation=simulation), stop) as system:
+        yield DrivenRobot(system, stop)
 
-    def __init__(
-        self, name: str, world: str, stop: StopSignal, simulation: Sequence[str] = (), overrides: Sequence[str] = ()
-    ) -> None:
-        rate = f"capture.rate={RATE}"
-        plan = Plan(
-            f"{name}-{os.getpid()}", [free_endpoint()], overrides=[rate, *overrides], world=world, simulation=simulation
-        )
-        self.system = System(plan, stop)
-        self._stop = stop
 
-    def __enter__(self) -> Self:
-        self.system.__enter__()
+class DrivenRobot:
+    """A simulated robot whose processes are starting; `ready` waits for them."""
+
+    def __init__(self, system: System, stop: StopSignal) -> None:
+        self.system, self._stop = system, stop
         self.remote = Remote(self.folder / "control")
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        self.system.__exit__(kind, error, trace)
 
     @property
     def folder(self) -> Path:

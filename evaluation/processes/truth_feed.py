@@ -1,4 +1,4 @@
-"""Where a simulated robot truly is, frame by frame: what no sensor tells, heard from its simulation."""
+"""Where a simulated robot truly is, frame by frame: what no sensor tells, received from its simulation."""
 
 from __future__ import annotations
 

@@ -8,7 +8,7 @@ from collections import deque
 from typing import NamedTuple
 
 from examples.slam.pose import Pose
-from examples.slam.wire import Odometry, Scan, WireError, read_odometry, read_scan
+from examples.slam.wire import UNDESCRIBED, Camera, Odometry, Scan, WireError, read_camera, read_odometry, read_scan
 
 REMEMBERED = 500  # poses: ten seconds at 50 Hz
 WAITING = 64  # scans that may wait: two seconds at 30 Hz
@@ -18,10 +18,11 @@ log = logging.getLogger(__name__)
 
 
 class Sighting(NamedTuple):
-    """A scan, and where the robot was by odometry when it was taken."""
+    """A scan, where the robot was by odometry when it was taken, and from where on the robot."""
 
     scan: Scan
     pose: Pose
+    camera: Camera  # that took it
 
 
 class Trail:
@@ -59,35 +60,43 @@ def _between(before: Odometry, after: Odometry | None, stamp: int) -> Pose | Non
 
 
 class Follower:
-    """Pairs scans with odometry, whichever comes first; `hear_...` may be called from any thread."""
+    """Pairs scans with odometry, whichever comes first; `receive_...` may be called from any thread."""
 
     def __init__(self) -> None:
         self._trail = Trail()
         self._scans: deque[Scan] = deque(maxlen=WAITING)
+        self._camera = UNDESCRIBED
         self._changed = threading.Condition()
         self._bad = 0
 
-    def hear_scan(self, payload: bytes) -> None:
+    def receive_scan(self, payload: bytes) -> None:
         """Take in a LaserScan's bytes."""
         try:
             scan = read_scan(payload)
         except WireError as error:
-            self._complain(error)
+            self._warn(error)
             return
         with self._changed:
             self._scans.append(scan)
             self._changed.notify()
 
-    def hear_odometry(self, payload: bytes) -> None:
+    def receive_odometry(self, payload: bytes) -> None:
         """Take in an Odometry's bytes."""
         try:
             odometry = read_odometry(payload)
         except WireError as error:
-            self._complain(error)
+            self._warn(error)
             return
         with self._changed:
             self._trail.add(odometry)
             self._changed.notify()
+
+    def receive_description(self, payload: bytes) -> None:
+        """Take in a RobotDescription's bytes."""
+        try:
+            self._camera = read_camera(payload) or self._camera
+        except WireError as error:
+            self._warn(error)
 
     def next(self, timeout: float) -> Sighting | None:
         """The next scan whose pose is known, in order of arrival; None where there is none within `timeout` [s].
@@ -102,10 +111,10 @@ class Follower:
             scan = self._scans.popleft()
             pose = self._trail.at(scan.stamp)
             if pose:
-                return Sighting(scan, pose)
+                return Sighting(scan, pose, self._camera)
         return None
 
-    def _complain(self, error: WireError) -> None:
+    def _warn(self, error: WireError) -> None:
         if self._bad % TOLD_EVERY == 0:
             log.warning("dropped a bad sample, number %d: %s", self._bad + 1, error)
         self._bad += 1

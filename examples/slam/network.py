@@ -1,4 +1,4 @@
-"""The plug-in on the network: what it hears, what it says, and that it is alive."""
+"""The plug-in on the network: what it subscribes to, what it publishes, and that it is alive."""
 
 from __future__ import annotations
 
@@ -34,18 +34,35 @@ class Network:
         self._session.close()  # type: ignore[no-untyped-call]
 
     def feed(self, follower: Follower) -> None:
-        """Let the follower hear scan and odometry, and tell everyone that the plug-in works."""
+        """Let the follower receive scan, odometry and description, and show everyone that the plug-in works.
+
+        The description is kept by its publishers: they are asked for it whenever a service comes alive.
+        """
         robot, scan = self._settings.robot, self._settings.scan
-        hear = self._session.declare_subscriber
-        hear(f"{robot}/{scan}", lambda sample: follower.hear_scan(sample.payload.to_bytes()))
-        hear(f"{robot}/base/odom", lambda sample: follower.hear_odometry(sample.payload.to_bytes()))
+        description = f"{robot}/description"
+
+        def described(sample: zenoh.Sample) -> None:
+            follower.receive_description(sample.payload.to_bytes())
+
+        def answered(reply: zenoh.Reply) -> None:
+            if reply.ok:
+                described(reply.ok)
+
+        def ask(_alive: zenoh.Sample) -> None:
+            self._session.get(description, answered, consolidation=zenoh.ConsolidationMode.NONE)
+
+        subscribe = self._session.declare_subscriber
+        subscribe(f"{robot}/{scan}", lambda sample: follower.receive_scan(sample.payload.to_bytes()))
+        subscribe(f"{robot}/base/odom", lambda sample: follower.receive_odometry(sample.payload.to_bytes()))
+        subscribe(description, described)
+        self._session.liveliness().declare_subscriber(f"{robot}/alive/*", ask, history=True)
         self._token = self._session.liveliness().declare_token(f"{robot}/alive/{self._settings.token}")
 
-    def say_map(self, grid: Map, stamp: int) -> None:
+    def publish_map(self, grid: Map, stamp: int) -> None:
         """Publish the map as it was at a time [ns]."""
         self._map.put(wire.write_map(grid, stamp))
 
-    def say_pose(self, pose: Pose, stamp: int) -> None:
+    def publish_pose(self, pose: Pose, stamp: int) -> None:
         """Publish where the robot was on the map at a time [ns]."""
         self._pose.put(wire.write_pose(pose, stamp))
 

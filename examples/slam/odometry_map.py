@@ -14,12 +14,12 @@ class OdometryMapper:
     """Draws every scan where odometry says that it was taken."""
 
     def __init__(self, settings: Settings) -> None:
-        self._reach, self._near = settings.reach, settings.near
+        self._reach = settings.reach
         self._grid = OccupancyGrid(settings.resolution)
 
-    def add(self, scan: Scan, odometry: Pose) -> Pose:
+    def add(self, scan: Scan, odometry: Pose, near: float) -> Pose:
         """Draw a scan; its origin on the map is that by odometry."""
-        self._grid.draw(beams(scan, self._reach), odometry, self._near)
+        self._grid.draw(beams(scan, self._reach), odometry, near)
         return odometry
 
     def map(self) -> Map:

@@ -30,8 +30,8 @@ log = logging.getLogger(__name__)
 class Mapper(Protocol):
     """What makes a map of scans."""
 
-    def add(self, scan: Scan, odometry: Pose) -> Pose:
-        """Take in a scan, and where its origin was by odometry; answers where that was on the map."""
+    def add(self, scan: Scan, odometry: Pose, near: float) -> Pose:
+        """Take in a scan, its origin by odometry, and how near [m] it shows floor; where it was on the map."""
 
     def map(self) -> Map:
         """The map so far."""
@@ -41,26 +41,27 @@ class Plugin:
     """Works off scans; knows what of the map was not yet said and not yet saved."""
 
     def __init__(self, settings: Settings, mapper: Mapper, network: Network) -> None:
-        self._out, self._camera = settings.out, settings.camera
-        self._robot = settings.camera.step_to(Pose())  # as seen from the scan's origin
+        self._settings = settings
         self._mapper, self._network = mapper, network
         self._saying, self._saving = Pace(MAP_PERIOD), Pace(settings.every or math.inf)
         self._saving.due()  # not at once
         self._newest = self._said = self._saved = 0  # [ns] stamp of the newest scan on the map, when said, when saved
 
     def take(self, sighting: Sighting) -> None:
-        """Map a scan and say where the robot is."""
-        scan, robot = sighting
-        origin = self._mapper.add(scan, robot.then(self._camera))
-        self._network.say_pose(origin.then(self._robot), scan.stamp)
+        """Map a scan and publish where the robot is."""
+        scan, robot, camera = sighting
+        place = self._settings.origin or camera.place
+        near = camera.nearest_floor if self._settings.near is None else self._settings.near
+        origin = self._mapper.add(scan, robot.then(place), near)
+        self._network.publish_pose(origin.then(place.step_to(Pose())), scan.stamp)
         self._newest = scan.stamp
 
-    def tell(self) -> None:
-        """Say the map and save it, where there is something new on it and it is time."""
+    def publish(self) -> None:
+        """Publish the map and save it, where there is something new on it and it is time."""
         if self._newest != self._said and self._saying.due():
             grid = self._mapper.map()
             if grid.cells.size:
-                self._network.say_map(grid, self._newest)
+                self._network.publish_map(grid, self._newest)
             self._said = self._newest
         if self._newest != self._saved and self._saving.due():
             self.save()
@@ -68,9 +69,9 @@ class Plugin:
     def save(self) -> None:
         """Save the map, where files are wanted. Raises OSError."""
         grid = self._mapper.map()
-        if self._out and grid.cells.size:
-            map_files.save(grid, self._out)
-            log.info("map saved in %s", self._out)
+        if self._settings.out and grid.cells.size:
+            map_files.save(grid, self._settings.out)
+            log.info("map saved in %s", self._settings.out)
         self._saved = self._newest
 
 
@@ -99,7 +100,7 @@ def _run(settings: Settings, mapper: Mapper, stop: Stop) -> None:
             sighting = follower.next(PATIENCE)
             if sighting:
                 plugin.take(sighting)
-            plugin.tell()
+            plugin.publish()
         plugin.save()
 
 

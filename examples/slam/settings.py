@@ -22,9 +22,9 @@ class Settings:
     mode: str | None
     scan: str  # path of the scan below the robot's name
     name: str | None  # of this map, where several are made at once
-    camera: Pose  # of the scan's origin on the robot
+    origin: Pose | None  # of the scan on the robot, where it is not the described camera's
     reach: float  # [m]
-    near: float  # [m]
+    near: float | None  # [m]
     resolution: float  # [m]
     out: Path | None
     every: float | None  # [s]
@@ -42,8 +42,10 @@ class Settings:
 def read(program: str, text: str | None, words: Sequence[str] | None = None) -> Settings:
     """The settings in the command line, or in these words. A bad one ends the process with one line and exit 2."""
     fields = vars(_parser(program, text).parse_args(words))
-    camera = Pose(fields.pop("camera_x"), fields.pop("camera_y"), math.radians(fields.pop("camera_yaw")))
-    return Settings(camera=camera, **fields)
+    if origin := fields.pop("origin"):
+        x, y, yaw = origin
+        origin = Pose(x, y, math.radians(yaw))
+    return Settings(origin=origin, **fields)
 
 
 def _parser(program: str, text: str | None) -> argparse.ArgumentParser:
@@ -55,11 +57,10 @@ def _parser(program: str, text: str | None) -> argparse.ArgumentParser:
     add("--mode", choices=("peer", "client", "router"), help="Zenoh mode (peer)")
     add("--scan", default="scan/fused", metavar="PATH", help="the scan to map (%(default)s)")
     add("--name", type=_name, help="say map/NAME and pose/NAME, beside other plug-ins of one robot")
-    add("--camera-x", default=-0.087, type=_number, metavar="M", help="where the scan's origin is on the robot")
-    add("--camera-y", default=0.0, type=_number, metavar="M", help="(%(default)s)")
-    add("--camera-yaw", default=0.0, type=_number, metavar="DEGREES", help="(%(default)s)")
+    place = ("X", "Y", "DEGREES")
+    add("--origin", nargs=3, type=_number, metavar=place, help="of the scan on the robot (the described camera's)")
     add("--reach", default=4.0, type=_length, metavar="M", help="farthest that a scan is believed (%(default)s)")
-    add("--near", default=0.72, type=_distance, metavar="M", help="nearer the camera sees no floor (%(default)s)")
+    add("--near", type=_distance, metavar="M", help="nearer no floor is seen (as the camera is described)")
     add("--resolution", default=0.05, type=_length, metavar="M", help="side of a cell (%(default)s)")
     add("--out", type=Path, metavar="DIR", help="save map.pgm and map.yaml there at the end")
     add("--every", type=_length, metavar="SECONDS", help="and in between")

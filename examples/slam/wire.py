@@ -13,6 +13,7 @@ from examples.slam.pose import Pose
 
 FLOAT32, INT8 = np.dtype("<f4"), np.dtype("<i1")
 Floats = NDArray[np.float32]
+PLACE = ("x", "y", "yaw")
 NOT_TOLD = np.empty(0, np.float32)
 
 
@@ -45,6 +46,17 @@ class Odometry:
 
     stamp: int  # [ns]
     pose: Pose
+
+
+@dataclass(frozen=True)
+class Camera:
+    """Where a scan's origin is on the robot, and how near it sees floor."""
+
+    place: Pose
+    nearest_floor: float  # [m]
+
+
+UNDESCRIBED = Camera(Pose(-0.087, 0.0, 0.0), 0.72)  # a TurtleBot 2's, until it is described
 
 
 @dataclass(frozen=True)
@@ -85,6 +97,16 @@ def read_odometry(payload: bytes) -> Odometry:
     if not isinstance(pose, list) or len(pose) != 3 or not all(_is_number(each) for each in pose):
         raise WireError("pose: expected [x, y, theta]")
     return Odometry(_stamp(fields), Pose(*map(float, pose)))
+
+
+def read_camera(payload: bytes) -> Camera | None:
+    """The camera in a RobotDescription's bytes; None where they describe another part. Raises WireError."""
+    camera = _map(payload).get("camera")
+    if not isinstance(camera, dict):
+        return None
+    default = UNDESCRIBED.place
+    place = (_number({name: value, **camera}, name) for name, value in zip(PLACE, default, strict=True))
+    return Camera(Pose(*place), _number(camera, "nearest_floor"))
 
 
 def write_map(grid: Map, stamp: int) -> bytes:

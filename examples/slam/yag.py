@@ -37,6 +37,7 @@ class Look(NamedTuple):
     key: Any  # yag-slam's scan
     step: Pose  # from the matched scan to this one, by odometry
     seen: Beams
+    near: float  # [m]
 
 
 class YagMapper:
@@ -51,23 +52,23 @@ class YagMapper:
         self._looks: list[Look] = []
         self._grid, self._drawn = OccupancyGrid(settings.resolution), 0
 
-    def add(self, scan: Scan, odometry: Pose) -> Pose:
+    def add(self, scan: Scan, odometry: Pose, near: float) -> Pose:
         """Take in a scan; its origin on the map, which begins where odometry began."""
         if self._key is None or _moved(self._last.step_to(odometry)):
-            self._look(beams(scan, self._settings.reach), scan, odometry)
+            self._look(beams(scan, self._settings.reach), scan, odometry, near)
         return _pose(self._key).then(self._key_odometry.step_to(odometry))
 
     def map(self) -> Map:
         """The map so far, drawn anew where a loop was closed."""
-        for key, step, seen in self._looks[self._drawn :]:
-            self._grid.draw(seen, _pose(key).then(step), self._settings.near)
+        for key, step, seen, near in self._looks[self._drawn :]:
+            self._grid.draw(seen, _pose(key).then(step), near)
         self._drawn = len(self._looks)
         return self._grid.map()
 
-    def _look(self, seen: Beams, scan: Scan, odometry: Pose) -> None:
+    def _look(self, seen: Beams, scan: Scan, odometry: Pose, near: float) -> None:
         if self._key is None or seen.hit.mean() >= ENOUGH:
             self._match(seen, scan, odometry)
-        self._looks.append(Look(self._key, self._key_odometry.step_to(odometry), seen))
+        self._looks.append(Look(self._key, self._key_odometry.step_to(odometry), seen, near))
         self._last = odometry
 
     def _match(self, seen: Beams, scan: Scan, odometry: Pose) -> None:

@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from concurrent.futures import Future
 from typing import NamedTuple
 
-from cliffscan.common.contract.base_messages import Velocity
+from cliffscan.common.contract.base_messages import SafetyState, Velocity
 from cliffscan.common.contract.description import CameraDescription
 from cliffscan.common.contract.messages import LaserScan
 from cliffscan.safety.inputs import REST
@@ -114,11 +114,6 @@ class BaseController:
         return BOTH_SIMULATED if simulated and self.connected and not self.simulated else ""
 
     @property
-    def latched(self) -> bool:
-        """Whether the robot stands still until clear_safety."""
-        return self._gate.latched
-
-    @property
     def decision(self) -> Decision:
         """The last one."""
         return self._gate.decision
@@ -176,9 +171,9 @@ class BaseController:
             self._monitor.send(*allowed, now)
         return decision
 
-    def note(self, now: float) -> str:
-        """What a person should know of the last decision."""
-        return self._gate.note(now)
+    def safety_state(self, stamp: int, now: float) -> SafetyState:
+        """The last decision, as it is published."""
+        return self._gate.state(stamp, now)
 
     # ---- what is asked for
 

@@ -1,6 +1,6 @@
 """The last word: a process that stops the base when the service falls silent, however it died.
 
-It shares the service's port and hears its heartbeat on a pipe. While the heart does not beat, as when the service
+It shares the service's port and receives its heartbeat on a pipe. While the heart does not beat, as when the service
 hangs, it sends a stop again and again; when the pipe closes, as when the service ends or is killed, it sends the last
 ones and ends.
 Nothing but the standard library is imported, so that it is there at once and little can go wrong.
@@ -26,18 +26,18 @@ def watch(port: int, heart: int, stop: bytes) -> None:
     while True:
         ready, _, _ = select.select([heart], [], [], patience)
         if not ready:
-            _say(port, stop)
+            _send(port, stop)
             patience = AGAIN
         elif os.read(heart, 4096):
             patience = SILENCE
         else:
             break
     for _ in range(LAST):
-        _say(port, stop)
+        _send(port, stop)
         time.sleep(AGAIN)
 
 
-def _say(port: int, stop: bytes) -> None:
+def _send(port: int, stop: bytes) -> None:
     with contextlib.suppress(OSError):  # the port is gone; so are the wheels
         if select.select([], [port], [], AGAIN)[1]:
             os.write(port, stop)

@@ -15,7 +15,6 @@ from cliffscan.common.contract.description import BodyDescription, RobotDescript
 from cliffscan.common.contract.message import MessageError
 from cliffscan.common.contract.messages import LaserScan
 from cliffscan.common.runtime.service import Service
-from cliffscan.services.kobuki import reports
 from cliffscan.services.kobuki.command_handlers import Answer, CommandHandler, done, unknown_command
 from cliffscan.services.kobuki.config import KobukiConfig
 from cliffscan.services.kobuki.controller import TICK, BaseController
@@ -90,7 +89,8 @@ class IoLoop:
         self._port = Port(self._config.port)
         self._controller.connect(self._port.emulated, now)
         self._publishers.begin()
-        body = BodyDescription(simulated=self._port.emulated, radius=self._config.robot_radius)
+        config = self._config
+        body = BodyDescription(simulated=self._port.emulated, radius=config.robot_radius, height=config.robot_height)
         self._describe(RobotDescription(stamp=time.time_ns(), body=body))
 
     def _lose(self, why: str) -> None:
@@ -173,13 +173,12 @@ class IoLoop:
 
     def _report(self, now: float) -> None:
         """Publish which rule holds, when that changes and once a second."""
-        controller = self._controller
-        note = controller.note(now)
-        words = "".join(each for each in note if not each.isdigit())  # a distance that changes is nothing new by itself
-        new = (controller.decision.rule, controller.latched, words)
+        state = self._controller.safety_state(time.time_ns(), now)
+        words = "".join(each for each in state.note if not each.isdigit())  # a distance that changes is nothing new
+        new = (state.rule, state.latched, words)
         if new != self._reported or now - self._reported_at >= REPORT:
             self._reported, self._reported_at = new, now
-            self._safety.put(reports.safety(controller.decision, controller.latched, note, time.time_ns()))
+            self._safety.put(state)
 
     # ---- what is asked for
 

@@ -8,7 +8,7 @@ The errors are those of a random walk with independent steps. A step of length d
 
 and the pose takes over both through the Jacobians of mid-point integration. Where packets are missing, the base may
 have moved unseen: a standard deviation of 0.35 m/s and 0.5 rad/s for as long as nobody looked, 3 s at most, for nobody
-drives a base that is not heard. These are deliberately careful figures, not measured ones.
+drives a silent base. These are deliberately careful figures, not measured ones.
 """
 
 from __future__ import annotations
@@ -55,8 +55,8 @@ class Estimate(NamedTuple):
     twist: tuple[float, float]  # linear [m/s], angular [rad/s]; mean of the last step
     pose_covariance: Covariance
     twist_covariance: Covariance
-    new_baseline: str | None = None  # why this packet's motion could not be told, else None
-    contradiction: bool = False  # whether that is because the base said what cannot be
+    new_baseline: str | None = None  # why this packet's motion is not known, else None
+    contradiction: bool = False  # whether that is because the base sent what cannot be
 
 
 class Odometry:

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from cliffscan.common.contract.base_messages import BaseState, Imu, Odometry, SafetyState
-from cliffscan.safety.rules import Decision
+from cliffscan.common.contract.base_messages import BaseState, Imu, Odometry
 from cliffscan.services.kobuki.battery import FULL, full_voltage, percentage
 from cliffscan.services.kobuki.contacts import BUTTONS, contacts
 from cliffscan.services.kobuki.odometry import Estimate
@@ -86,17 +85,4 @@ def imu(gyro: Gyro, inertia: Inertia, stamp: int) -> Imu:
         heading_rate=inertia.rate,
         sample_stamps=list(gyro.stamps(stamp)),
         angular_velocities=np.array(gyro.samples, np.float32).ravel(),
-    )
-
-
-def safety(decision: Decision, latched: bool, note: str, stamp: int) -> SafetyState:
-    """Which rule holds."""
-    return SafetyState(
-        stamp=stamp,
-        rule=decision.rule,
-        distance=decision.distance,
-        asked=decision.asked,
-        allowed=decision.allowed,
-        latched=latched,
-        note=note,
     )

@@ -3,14 +3,16 @@
 import math
 import signal
 import sys
+import time
 
 import numpy as np
 import pytest
 
 from cliffscan.common.contract.map_messages import OccupancyGrid
 from examples.slam import map_files
+from tests.service.conftest import DEADLINE
 from tests.unit.examples import page
-from tests.unit.examples.room import ROOM, START, Pose, Room, box, drifting, lap, odometry_fields
+from tests.unit.examples.room import ROOM, START, Pose, Room, box, drifting, lap, odometry_fields, scan_fields
 
 MAPPERS = ["odometry_map", "yag"]
 PERIOD = 100_000_000  # [ns] between two scans
@@ -120,6 +122,20 @@ def test_bad_samples_are_told_and_do_no_harm(client, plug_in):
         client.put(path, b"\xc1")
     process.wait_said("dropped a bad sample")
     assert len(list(drive(client, ROOM, [Pose(0, -1.6, 0)], [Pose()]))) == 1
+
+
+def test_a_scan_begins_where_the_camera_is_described(client, start, plug_in):
+    start("capture", "--set", "capture.source=simulator", "--set", "capture.x=0.5", "--set", "capture.rate=2")
+    plug_in("odometry_map")
+    maps, wall, deadline = client.listen("map"), False, time.monotonic() + DEADLINE
+    while not wall and time.monotonic() < deadline:
+        stamp = time.time_ns()
+        client.put("base/odom", odometry_fields(Pose(), stamp))
+        client.put("scan/fused", scan_fields([math.nan, 1.01, math.nan], [0.0, 1.0, 0.0], stamp))
+        if grid := maps.get_within(0.1):
+            column = math.floor((1.51 - grid["origin"][0]) / grid["resolution"])
+            wall = column < grid["width"] and (grid_of(grid)[:, column] >= 65).any()
+    assert wall
 
 
 def test_without_yag_slam_it_says_how_to_get_it(run, tmp_path):

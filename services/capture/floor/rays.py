@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cliffscan.common.contract.camera import Camera, FloorPlane, axes
+from cliffscan.common.contract.description import KINECT_NOISE
 
 Floats = NDArray[np.float64]
 Singles = NDArray[np.float32]
@@ -21,7 +22,6 @@ Flags = NDArray[np.bool_]
 
 BEAMS, RINGS = 42, 64  # rays by azimuth, and by depression, nearest floor first; a beam's rings fill a number's bits
 STEEPEST = math.radians(80.0)  # rays nearer the vertical have no useful azimuth
-NOISE = 1.65e-3  # [1/m] of a Kinect's inverse depth: 1.425e-3 of noise with the rounding to steps of 2.85e-3
 WAVINESS = 0.3e-3  # [m] by which a flat floor is not flat
 
 TILT, RISE = math.radians(8.0), 0.07  # [rad], [m] from the nominal floor that rays are read for, each way
@@ -66,7 +66,7 @@ def floor_rays(camera: Camera, nominal: FloorPlane) -> FloorRays:
     u, v, inside = _fan(camera, basis, nominal.d)
     slopes = -np.einsum("ij,jkl->ikl", basis, _rays(camera, u, v)) / nominal.d
     predicted = np.maximum(slopes[2], 0.0)
-    sigma = np.hypot(NOISE, predicted * WAVINESS / nominal.d)
+    sigma = np.hypot(KINECT_NOISE, predicted * WAVINESS / nominal.d)
     low, high = _limits(camera, slopes, nominal.d, 3.0 * sigma)
     return FloorRays(
         nominal=nominal,

@@ -1,6 +1,6 @@
 """Commands to the Kobuki as the bytes that go down the wire. Source: Kobuki protocol.
 
-Whoever asks for something impossible gets a ValueError that says what was expected.
+Something impossible raises a ValueError, whose text has what was expected.
 """
 
 from __future__ import annotations

@@ -1,11 +1,13 @@
 """What is shown together is told apart in grey and by eyes that do not see red and green apart."""
 
 from itertools import combinations
+from typing import get_args
 
 import numpy as np
 import pytest
 from matplotlib.colors import to_rgb
 
+from cliffscan.common.contract.base_messages import Rule
 from evaluation import palette
 
 ALL_CONES = np.eye(3)
@@ -74,3 +76,7 @@ def test_lines_of_a_picture_differ_by_more_than_their_hue():
         assert least(lab(alike)[:, :1]) > IN_GREY
     edges = [palette.EDGE_SHOWN, palette.EDGE_LOST, palette.EDGE_UNSEEN, palette.WAY]
     assert len({str(stroke.style) for stroke in edges}) == len(edges)
+
+
+def test_every_rule_of_the_gate_has_a_line():
+    assert set(palette.RULES) == set(get_args(Rule))

@@ -4,6 +4,7 @@ import pytest
 
 from examples.slam.follow import WAITING, Follower
 from examples.slam.pose import Pose
+from examples.slam.wire import UNDESCRIBED, Camera
 from tests.unit.examples.room import START, odometry_fields, payload, scan_fields
 
 STEP = 20_000_000  # [ns] between two poses
@@ -14,61 +15,75 @@ def follower():
     return Follower()
 
 
-def hear_odometry(follower, *numbers):
+def receive_odometry(follower, *numbers):
     for number in numbers:
-        follower.hear_odometry(payload(odometry_fields(Pose(0.1 * number, 0.0, 0.2 * number), START + number * STEP)))
+        follower.receive_odometry(
+            payload(odometry_fields(Pose(0.1 * number, 0.0, 0.2 * number), START + number * STEP))
+        )
 
 
-def hear_scan(follower, number):
-    follower.hear_scan(payload(scan_fields([1.0], [1.0], START + round(number * STEP))))
+def receive_scan(follower, number):
+    follower.receive_scan(payload(scan_fields([1.0], [1.0], START + round(number * STEP))))
 
 
 def test_a_scan_gets_the_pose_between_two(follower):
-    hear_odometry(follower, 0, 1, 2)
-    hear_scan(follower, 1.25)
+    receive_odometry(follower, 0, 1, 2)
+    receive_scan(follower, 1.25)
     assert follower.next(0).pose == pytest.approx((0.125, 0.0, 0.25))
     assert follower.next(0) is None
 
 
 def test_a_scan_waits_for_its_pose(follower):
-    hear_scan(follower, 0.5)
-    hear_odometry(follower, 0)
+    receive_scan(follower, 0.5)
+    receive_odometry(follower, 0)
     assert follower.next(0) is None
-    hear_odometry(follower, 1)
+    receive_odometry(follower, 1)
     assert follower.next(0).pose == pytest.approx((0.05, 0.0, 0.1))
 
 
 def test_a_scan_of_the_moment_of_a_pose_gets_that(follower):
-    hear_odometry(follower, 3)
-    hear_scan(follower, 3)
+    receive_odometry(follower, 3)
+    receive_scan(follower, 3)
     assert follower.next(0).pose == pytest.approx((0.3, 0.0, 0.6))
 
 
 def test_a_scan_from_before_the_first_pose_is_dropped(follower):
-    hear_scan(follower, 0.5)
-    hear_scan(follower, 1.5)
-    hear_odometry(follower, 1, 2)
+    receive_scan(follower, 0.5)
+    receive_scan(follower, 1.5)
+    receive_odometry(follower, 1, 2)
     assert follower.next(0).scan.stamp == START + round(1.5 * STEP)
 
 
 def test_a_clock_set_back_begins_anew(follower):
-    hear_odometry(follower, 10, 11, 1, 2)
-    hear_scan(follower, 1.5)
+    receive_odometry(follower, 10, 11, 1, 2)
+    receive_scan(follower, 1.5)
     assert follower.next(0).pose.x == pytest.approx(0.15)
 
 
 def test_the_oldest_of_too_many_is_dropped(follower):
     for number in range(WAITING + 1):
-        hear_scan(follower, number)
-    hear_odometry(follower, 0, WAITING)
+        receive_scan(follower, number)
+    receive_odometry(follower, 0, WAITING)
     assert follower.next(0).scan.stamp == START + STEP
 
 
+def test_a_scan_is_of_the_camera_that_was_described_last(follower):
+    receive_odometry(follower, 0, 1)
+    receive_scan(follower, 0)
+    assert follower.next(0).camera == UNDESCRIBED
+    camera = {"nearest_floor": 0.4, "x": 0.1, "y": -0.2, "yaw": 0.3}
+    follower.receive_description(payload({"stamp": START, "camera": camera}))
+    follower.receive_description(payload({"stamp": START, "body": {"radius": 0.18}}))
+    receive_scan(follower, 1)
+    assert follower.next(0).camera == Camera(Pose(0.1, -0.2, 0.3), 0.4)
+
+
 def test_bad_samples_are_told_and_dropped(follower, caplog):
-    for _ in range(50):
-        follower.hear_scan(b"nonsense")
-        follower.hear_odometry(b"nonsense")
+    for _ in range(33):
+        follower.receive_scan(b"nonsense")
+        follower.receive_odometry(b"nonsense")
+        follower.receive_description(b"nonsense")
     assert len(caplog.records) == 1
-    hear_odometry(follower, 0, 1)
-    hear_scan(follower, 1)
+    receive_odometry(follower, 0, 1)
+    receive_scan(follower, 1)
     assert follower.next(0)

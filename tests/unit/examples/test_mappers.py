@@ -13,7 +13,8 @@ from examples.slam.wire import read_scan
 from examples.slam.yag import YagMapper
 from tests.unit.examples.room import CAMERA, ROOM, START, Room, box, drifting, lap, payload
 
-TOLD = settings.read("test", None, ["--camera-x", str(CAMERA.x)])
+TOLD = settings.read("test", None, [])
+NEAR = 0.72  # [m]
 STAIRS = Room(box(-3, -3, 3, 3), edges=[(1.525, -3, 1.525, 3)])
 
 
@@ -21,7 +22,7 @@ def mapped(mapper, room, poses, odometry):
     """Where the mapper says that the robot was, while it drove along `poses`."""
     for number, (pose, told) in enumerate(zip(poses, odometry, strict=True)):
         scan = read_scan(payload(room.scan(pose, START + number)))
-        yield mapper.add(scan, told.then(TOLD.camera)).then(TOLD.camera.step_to(Pose()))
+        yield mapper.add(scan, told.then(CAMERA), NEAR).then(CAMERA.step_to(Pose()))
 
 
 def occupied(grid):
@@ -32,7 +33,7 @@ def occupied(grid):
 
 def ends(room, robot):
     """x, y [m] of what a robot's camera sees that is near enough to be drawn."""
-    angles, eye = np.linspace(-0.5, 0.5, 100), robot.then(TOLD.camera)
+    angles, eye = np.linspace(-0.5, 0.5, 100), robot.then(CAMERA)
     ranges, _ = room.look(eye, angles)
     near = ranges < TOLD.reach
     return (

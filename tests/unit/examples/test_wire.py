@@ -5,10 +5,12 @@ import pytest
 from numpy.testing import assert_array_equal
 
 from cliffscan.common.contract.base_messages import Odometry
+from cliffscan.common.contract.description import TURTLEBOT_2, CameraDescription, Place, RobotDescription
 from cliffscan.common.contract.map_messages import OccupancyGrid, Pose2D
 from cliffscan.common.contract.messages import LaserScan
 from examples.slam import wire
 from examples.slam.pose import Pose
+from tests import build
 from tests.unit.examples.room import START, odometry_fields, payload, scan_fields
 
 RANGES, EVIDENCE = [1.0, np.inf, np.nan], [2.0, 0.0, 0.0]
@@ -30,6 +32,15 @@ def test_a_scan_may_be_without_evidence():
 def test_odometry_of_the_base_is_read():
     read = wire.read_odometry(Odometry.of(odometry_fields(Pose(1.0, -2.0, 0.5))).encode())
     assert read == wire.Odometry(START, Pose(1.0, -2.0, 0.5))
+
+
+def test_the_camera_of_a_description_is_read():
+    camera = build.camera()
+    place = Place(0.1, -0.2, 0.3)
+    sent = RobotDescription(stamp=START, camera=CameraDescription.of(camera, "eye", simulated=True, place=place))
+    assert wire.read_camera(sent.encode()) == wire.Camera(Pose(*place), sent.camera.nearest_floor)
+    assert wire.read_camera(RobotDescription(stamp=START).encode()) is None
+    assert wire.UNDESCRIBED.place == Pose(*TURTLEBOT_2)
 
 
 def test_a_map_is_one_for_the_project():

@@ -1,11 +1,9 @@
 """Scores, worked out by hand on a few beams."""
 
-from types import SimpleNamespace
-
 import numpy as np
 import pytest
 
-from cliffscan.common.contract.beam_fields import ABSENT
+from cliffscan.common.contract.beam_fields import Beams
 from evaluation.truth.beam_truth import Truth
 from evaluation.truth.world_truth import TOLERANCE
 from experiments import edges
@@ -23,7 +21,8 @@ def truth(edge, obstacle=None, reachable=None):
 
 
 def score(ranges, truth):
-    return edges.score([SimpleNamespace(ranges=row, intensities=row, clear=ABSENT) for row in ranges], truth)
+    nothing = np.zeros(ranges.shape[1], np.float32)
+    return edges.score([Beams(ranges=np.float32(row), intensities=nothing) for row in ranges], truth)
 
 
 def test_error_is_reported_less_true_over_beams_with_an_edge_and_a_number():

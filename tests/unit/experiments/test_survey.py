@@ -49,32 +49,32 @@ def test_it_hears_all_that_it_needs(survey):
 
 
 def test_it_commands_now_and_then_once_it_may(survey):
-    survey.hear("base/odom", odometry(0.0, SECOND), go=False)
+    survey.receive("base/odom", odometry(0.0, SECOND), go=False)
     assert survey._publisher == []
     for stamp in range(SECOND, 2 * SECOND, SECOND // 50):
-        survey.hear("base/odom", odometry(0.0, stamp), go=True)
+        survey.receive("base/odom", odometry(0.0, stamp), go=True)
     assert 8 <= len(survey._publisher) <= 14
     assert all(said.angular > 0.0 for said in survey._publisher)
 
 
 def test_it_is_done_when_the_steps_are_and_every_map_is_newer(survey):
-    survey.hear("map/fused", grid(SECOND), go=True)
-    survey.hear("base/odom", odometry(1.57, 2 * SECOND), go=True)
+    survey.receive("map/fused", grid(SECOND), go=True)
+    survey.receive("base/odom", odometry(1.57, 2 * SECOND), go=True)
     assert survey.done == 1
     for name in SCANS:
-        survey.hear(f"map/{name}", grid(2 * SECOND - 1), go=True)
+        survey.receive(f"map/{name}", grid(2 * SECOND - 1), go=True)
     assert survey.done == 1
     for name in SCANS:
-        survey.hear(f"map/{name}", grid(2 * SECOND), go=True)
+        survey.receive(f"map/{name}", grid(2 * SECOND), go=True)
     assert survey.done == survey.total == 3
 
 
 def test_poses_are_kept_by_stamp_and_frames_some_time_apart(survey):
-    survey.hear("pose/fused", Pose2D(stamp=5, frame="map", pose=(1.0, 2.0, 3.0)).encode(), go=True)
+    survey.receive("pose/fused", Pose2D(stamp=5, frame="map", pose=(1.0, 2.0, 3.0)).encode(), go=True)
     assert survey.poses == {"fused": {5: (1.0, 2.0, 3.0)}, "positive": {}}
     for number in range(5):
         made = frame(seq=number, stamp=1 + number * FRAME_PERIOD // 2)
-        survey.hear("camera/depth", made.image.encode(), go=True)
+        survey.receive("camera/depth", made.image.encode(), go=True)
         for name, path in SCANS.items():
-            survey.hear(path, made.scans[name].encode(), go=True)
+            survey.receive(path, made.scans[name].encode(), go=True)
     assert [kept.image.seq for kept in survey.frames] == [0, 2, 4]

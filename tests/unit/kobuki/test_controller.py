@@ -34,6 +34,10 @@ class Robot:
     def stamp(self):
         return round((1000.0 + self.now) * SECOND)
 
+    @property
+    def note(self):
+        return self.controller.safety_state(self.stamp, self.now).note
+
     def command(self, linear, angular=0.0, late=0.0, **fields):
         stamp = self.stamp - round(late * SECOND)
         message = Velocity(stamp=stamp, linear=linear, angular=angular, **fields)
@@ -127,7 +131,7 @@ def test_a_command_of_another_time_moves_nothing(robot, late):
         robot.command(0.3, late=late)
         decision = robot.tick()
     assert decision.rule == "no_command"
-    assert "this clock" in robot.controller.note(robot.now)
+    assert "this clock" in robot.note
     assert not robot.moves()
 
 
@@ -204,7 +208,7 @@ def test_a_scan_of_the_future_holds_no_honest_one_up(robot):
         robot.command(0.6)
         decision = robot.tick()
     assert decision.rule == "obstacle"
-    assert "obstacle ahead" in robot.controller.note(robot.now)
+    assert "obstacle ahead" in robot.note
 
 
 def test_a_real_base_is_not_driven_by_a_simulated_camera():
@@ -215,7 +219,7 @@ def test_a_real_base_is_not_driven_by_a_simulated_camera():
     robot.sent.clear()
     decision = robot.tick(0.3, 0.5)
     assert (decision.rule, decision.allowed) == ("refused", (0.0, 0.0))
-    assert "camera is simulated" in robot.controller.note(robot.now)
+    assert "camera is simulated" in robot.note
     assert not robot.moves()
     robot.controller.describe(CAMERA.model_copy(update={"simulated": False}))
     assert robot.tick(0.3, 1.0).rule == "free"

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from cliffscan.safety import scan_claims
+from cliffscan.safety import visible_floor
 from cliffscan.safety.gate import SafetyGate
 from cliffscan.safety.local_grid import FREE, OCCUPIED, UNKNOWN, RollingGrid
 from cliffscan.safety.pending_motion import PendingMotion
@@ -49,7 +49,7 @@ MUTANTS = {
     "deceleration doubled": (scenes.charge, configured(deceleration=1.2)),
     "old scans accepted": (scenes.lose_sight, configured(scan_timeout=5.0)),
     "a silent driver obeyed": (scenes.lose_the_driver, configured(command_timeout=5.0)),
-    "no blind zone": (scenes.charge, lambda patch: patch.setattr(scan_claims, "UNDESCRIBED_NEAREST", 0.0)),
+    "no blind zone": (scenes.charge, lambda patch: patch.setattr(visible_floor, "UNDESCRIBED_NEAREST", 0.0)),
     "a smaller robot": (scenes.pass_a_post, configured(radius=0.12)),
     "only straight on": (scenes.swerve_over_an_edge, wrapped(PendingMotion, "curvatures", lambda *_: [0.0])),
     "only the arc asked for": (

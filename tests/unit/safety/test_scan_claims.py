@@ -53,10 +53,6 @@ def test_nothing_is_free_outside_of_the_described_view():
     np.testing.assert_array_equal(scan.free[inside], 3.0)
 
 
-def test_a_camera_mounted_higher_sees_floor_from_farther_on():
-    assert View.of(CAMERA).nearest == 1.4
-
-
 def test_a_beam_that_saw_nothing_cannot_have_seen_floor_to_its_end():
     nothing = [math.nan] * 40
     claims = sent(nothing, clear=[9.0] * 20 + [1e30] * 20)
