@@ -7,7 +7,7 @@ import tomllib
 
 import pytest
 
-from cliffscan.common.runtime.config import SENSING, SERVICES
+from cliffscan.common.runtime.config import SENSING, SERVICES, SHARED
 from cliffscan.services.capture.sources.kinds import KINDS
 from tests.service.conftest import free_endpoint
 
@@ -30,7 +30,8 @@ def needed(service):
 def test_dump_config_reads_back_to_itself(service, tmp_path):
     first = ask(service, "--dump-config")
     assert first.returncode == 0
-    assert list(tomllib.loads(first.stdout)) == [service]
+    shared = [table for table, readers in SHARED.items() if service in readers]
+    assert list(tomllib.loads(first.stdout)) == [*shared, service]
     file = tmp_path / "config.toml"
     file.write_text(first.stdout)
     assert ask(service, "--config", str(file), "--dump-config").stdout == first.stdout
@@ -40,10 +41,11 @@ def test_dump_config_reads_back_to_itself(service, tmp_path):
     ("options", "reason"),
     [
         (["--set", "scan.floor_band=-1"], "scan.floor_band"),
+        (["--set", "negative.floor_band=0.04"], "negative.floor_band: write scan.floor_band"),
         (["--set", "negative.colour=red"], "negative.colour"),
         (["--set", "negative.methods=[]"], "negative.methods"),
         (["--set", "floor_band"], "expected negative.KEY=VALUE"),
-        (["--set", "capture.rate=5"], "this service reads negative.KEY only"),
+        (["--set", "capture.rate=5"], "this service reads negative.KEY and scan.KEY only"),
         (["--config", "nowhere.toml"], "nowhere.toml"),
         (["--connect", "nonsense"], "Zenoh refuses"),
         (["--robot", "a*b"], "no robot name"),

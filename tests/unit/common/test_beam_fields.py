@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from cliffscan.common.contract import limits
 from cliffscan.common.contract.beam_fields import BEAM_FIELDS, Beams, Combining
 from cliffscan.common.contract.message import MessageError
 from cliffscan.common.contract.messages import LaserScan
@@ -47,6 +48,10 @@ def test_the_wire_page_has_the_row(name):
 def test_a_scan_has_the_fields_after_those_of_all_beams():
     assert list(LaserScan.model_fields)[-len(BEAM_FIELDS) :] == list(BEAM_FIELDS)
     LaserScan.decode(message())
+
+
+def test_a_scan_of_as_many_beams_as_there_can_be_is_no_larger_than_a_payload():
+    assert len(BEAM_FIELDS) * 4 * limits.MOST_BEAMS + limits.SMALL <= limits.PAYLOAD["LaserScan"]
 
 
 @pytest.mark.parametrize("name", OPTIONAL)
