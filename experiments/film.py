@@ -27,7 +27,7 @@ from experiments.mapping import NAMES, ROUND, Drive, drive_round
 from experiments.run import Run, telling
 
 SIZE = (1080, 700)  # [px]
-COLOURS = 64
+COLOURS = 128
 PACE, LAST = 100, 3000  # [ms] that a picture is shown, and the last one
 EXTENT = Extent(3.9, 2.75)  # [m] of the scan's picture
 
@@ -70,7 +70,7 @@ def main() -> None:
             drive = drive_round(run, "odometry_map", ROUND, log, progress)
             frames = [frame for frame in drive.survey.frames if frame.image.stamp in drive.truth][1:]
             pictures = [picture(run, drive, frame) for frame in progress.track(frames, description="drawing")]
-    colours = pictures[-1].quantize(COLOURS, dither=Image.Dither.NONE)  # the last one shows the most
+    colours = pictures[-1].quantize(COLOURS, Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE)  # rare colours too
     flat = [each.quantize(palette=colours, dither=Image.Dither.NONE) for each in pictures]
     times = [PACE] * (len(flat) - 1) + [LAST]
     flat[0].save(file, save_all=True, append_images=flat[1:], duration=times, loop=0, optimize=True)
