@@ -1,7 +1,5 @@
 """Processes that are started together, restarted when they end, and ended together."""
 
-from __future__ import annotations
-
 import logging
 import subprocess
 import time

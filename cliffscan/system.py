@@ -1,7 +1,5 @@
 """The whole system on one machine: a router, and the services that speak through it."""
 
-from __future__ import annotations
-
 import logging
 import re
 import sys

@@ -4,8 +4,6 @@
 goes on until it is ended.
 """
 
-from __future__ import annotations
-
 import argparse
 import itertools
 import math

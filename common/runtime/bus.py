@@ -1,7 +1,5 @@
 """Eclipse Zenoh, as the services use it; only zenoh_config and reader import it beside this."""
 
-from __future__ import annotations
-
 import logging
 import threading
 import time

@@ -1,7 +1,5 @@
 """The services' log lines: kept in a file, and only complaints shown, so that they do not tear up the progress bar."""
 
-from __future__ import annotations
-
 import os
 import re
 import sys

@@ -1,7 +1,5 @@
 """Single programs of this project, started for a measurement and ended after it, and what they cost."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 from contextlib import AbstractContextManager

@@ -1,7 +1,5 @@
 """The plug-in on the network: what it subscribes to, what it publishes, and that it is alive."""
 
-from __future__ import annotations
-
 import json
 from types import TracebackType
 from typing import Self
