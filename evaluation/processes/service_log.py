@@ -4,7 +4,6 @@ import os
 import re
 import sys
 from pathlib import Path
-from types import TracebackType
 from typing import Self
 
 STDERR = 2
@@ -31,9 +30,7 @@ class ServiceLog:
         self._line = ""
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         sys.stderr.flush()
         os.dup2(self._stderr, STDERR)
         os.close(self._stderr)
