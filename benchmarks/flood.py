@@ -3,8 +3,6 @@
 The flood asks for `version` and publishes `base/cmd_vel`, as fast as it is told; `stop` is asked every 50 ms.
 """
 
-from __future__ import annotations
-
 import argparse
 import tempfile
 import time

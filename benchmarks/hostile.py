@@ -4,8 +4,6 @@ In one process every reader takes them all; with --services so many go to the re
 frame, and a request to the base, has to be answered at once.
 """
 
-from __future__ import annotations
-
 import argparse
 import tempfile
 import time

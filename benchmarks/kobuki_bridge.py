@@ -7,8 +7,6 @@ command asks for 1 mm/s less than the one before, which the gate passes at once,
 run is made while nobody listens to the base, a second one while somebody listens to odometry, state and gyro.
 """
 
-from __future__ import annotations
-
 import argparse
 import select
 import tempfile

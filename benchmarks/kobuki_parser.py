@@ -5,8 +5,6 @@ much noise between them. It comes in pieces, as from a port. Beside it, a parser
 A base sends 0.004 MB/s.
 """
 
-from __future__ import annotations
-
 import argparse
 import random
 from collections.abc import Callable, Iterable

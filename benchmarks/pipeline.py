@@ -5,8 +5,6 @@
 Latency runs from the frame's stamp, taken before the simulator draws it, to the fused scan's arrival here.
 """
 
-from __future__ import annotations
-
 import argparse
 import time
 import uuid

@@ -1,7 +1,5 @@
 """How long a simulated frame takes, beside MuJoCo's own rays: python -m benchmarks.simulator_rate [--frames N]."""
 
-from __future__ import annotations
-
 import argparse
 from collections.abc import Callable
 from statistics import median

@@ -4,8 +4,6 @@ All are measured in one run, in turn, so that a busy machine is as hard on one a
 sources of a peer are not present, it is not in the table.
 """
 
-from __future__ import annotations
-
 import argparse
 import os
 import subprocess

@@ -1,7 +1,5 @@
 """`cliffscan calibrate`: measure how the camera is mounted, from the floor that it sees."""
 
-from __future__ import annotations
-
 import math
 import sys
 import time

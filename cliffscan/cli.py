@@ -1,7 +1,5 @@
 """The command line of `cliffscan`."""
 
-from __future__ import annotations
-
 import argparse
 import logging
 import math

@@ -1,7 +1,5 @@
 """How much the clocks of services differ, from the stamps of their statuses."""
 
-from __future__ import annotations
-
 from collections import deque
 
 KEPT = 10  # statuses of each service: a clock that is set is followed in as many seconds

@@ -3,8 +3,6 @@
 python -m cliffscan.configuration_page > docs/configuration.md
 """
 
-from __future__ import annotations
-
 import json
 from collections.abc import Iterator
 from typing import get_args

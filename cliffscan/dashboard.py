@@ -1,7 +1,5 @@
 """What `cliffscan drive` shows, as text: plain characters that any terminal can show, over any line."""
 
-from __future__ import annotations
-
 import math
 import time
 from collections.abc import Callable

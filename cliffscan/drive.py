@@ -13,7 +13,6 @@ import termios
 import threading
 import time
 from contextlib import suppress
-from types import TracebackType
 from typing import Protocol, Self
 
 from cliffscan.common.contract.base_messages import Velocity
@@ -94,9 +93,7 @@ class Wheels:
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *_why: object) -> None:
         self._say(STILL)
         for _ in range(FAREWELL - 1):  # one might be dropped by a full link
             time.sleep(PERIOD)
@@ -147,9 +144,7 @@ class Terminal:
         self.draw(OPEN)
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         with suppress(termios.error):  # a terminal that is gone needs nothing put back
             termios.tcflush(self._keys, termios.TCIOFLUSH)  # makes room for the next line where the screen hangs
             self.draw(CLOSE)
@@ -199,9 +194,7 @@ class Orders:
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         for thread in self._asking.values():
             thread.join(2 * ANSWER_WITHIN)
 

@@ -1,7 +1,5 @@
 """`cliffscan echo KEY`: print what is published on a key."""
 
-from __future__ import annotations
-
 import sys
 import time
 

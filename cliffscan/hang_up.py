@@ -1,7 +1,5 @@
 """A terminal that hangs up, or asks to quit, ends a command as Ctrl-C does."""
 
-from __future__ import annotations
-
 import signal
 from collections.abc import Iterator
 from contextlib import contextmanager

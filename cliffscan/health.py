@@ -1,7 +1,5 @@
 """What is wrong with a robot, from the tokens and statuses of its services."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import NamedTuple
 

@@ -7,8 +7,6 @@ one. A terminal repeats only the key that was pressed last: two keys pressed in 
 for as long as both last.
 """
 
-from __future__ import annotations
-
 import math
 import re
 from enum import Enum

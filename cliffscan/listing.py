@@ -1,7 +1,5 @@
 """`cliffscan list`: the live keys of a robot, or the robots that are there."""
 
-from __future__ import annotations
-
 import sys
 
 from cliffscan.common.contract.topics import alive, message_at

@@ -1,7 +1,5 @@
 """What is published and who is alive on the network, for a short look."""
 
-from __future__ import annotations
-
 import threading
 import time
 from typing import NamedTuple

@@ -1,7 +1,5 @@
 """`cliffscan alive SERVICE`: whether a service works, for scripts and health checks."""
 
-from __future__ import annotations
-
 import sys
 import time
 

@@ -1,7 +1,5 @@
 """Texts of others for the terminal of a person."""
 
-from __future__ import annotations
-
 import json
 
 

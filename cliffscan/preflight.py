@@ -1,7 +1,5 @@
 """What can be known to be wrong before any process is started."""
 
-from __future__ import annotations
-
 import os
 import socket
 from collections.abc import Sequence

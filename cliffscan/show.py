@@ -1,7 +1,5 @@
 """Messages for people: one line of JSON, long arrays told in a few words."""
 
-from __future__ import annotations
-
 import json
 import math
 from typing import Any

@@ -1,7 +1,5 @@
 """`cliffscan status`: which services live, how fast and how late they are, and what is wrong."""
 
-from __future__ import annotations
-
 import sys
 import threading
 import time

@@ -1,12 +1,9 @@
 """Processes that are started together, restarted when they end, and ended together."""
 
-from __future__ import annotations
-
 import logging
 import subprocess
 import time
 from collections.abc import Sequence
-from types import TracebackType
 from typing import Self
 
 FIRST_DELAY, LONGEST_DELAY = 0.5, 10.0  # [s] before a restart; doubled each time
@@ -111,9 +108,7 @@ class Supervisor:
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         children = list(reversed(self.children.values()))
         _end([child for child in children if child.name not in self._ground])
         _end([child for child in children if child.name in self._ground])

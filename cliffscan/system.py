@@ -1,7 +1,5 @@
 """The whole system on one machine: a router, and the services that speak through it."""
 
-from __future__ import annotations
-
 import logging
 import re
 import sys
@@ -10,7 +8,6 @@ from contextlib import ExitStack
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from types import TracebackType
 from typing import Literal, Self
 
 from cliffscan import preflight
@@ -204,9 +201,7 @@ class System:
             self._exit = entered.pop_all()
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self._exit.close()
 
     def poll(self) -> None:

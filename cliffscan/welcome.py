@@ -1,7 +1,5 @@
 """What `cliffscan up` tells first: what it starts, and what to type next."""
 
-from __future__ import annotations
-
 from cliffscan.system import Plan
 
 

@@ -1,7 +1,5 @@
 """How good a map is: functions of a map, poses and the truth, and nothing else."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import NamedTuple
 

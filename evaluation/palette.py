@@ -4,8 +4,6 @@ The hues are those of Okabe and Ito, shifted so that their lightness differs too
 by colour-blind eyes and in grey (tests/unit/evaluation/test_palette.py). Dots have a marker and lines a style besides.
 """
 
-from __future__ import annotations
-
 from typing import Final, Literal, NamedTuple
 
 import numpy as np

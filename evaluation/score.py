@@ -1,11 +1,9 @@
 """The verdict on each beam of a scan, and what the verdicts of many scans come to."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from enum import IntEnum
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -64,7 +62,7 @@ class Tally(NamedTuple):
     beyond: int = 0  # and of those that tell it too far
 
     @classmethod
-    def of(cls, beams: Beams, truth: Truth) -> Tally:
+    def of(cls, beams: Beams, truth: Truth) -> Self:
         """The tally of one scan."""
         ranges = beams.ranges
         verdicts = judge(ranges, truth)
@@ -79,7 +77,7 @@ class Tally(NamedTuple):
         return cls(counts, errors, errors / truth.allowed[reporting], hidden, sinking, int(told.sum()), beyond)
 
     @classmethod
-    def total(cls, tallies: Sequence[Tally]) -> Tally:
+    def total(cls, tallies: Sequence[Self]) -> Self:
         """All of them together."""
         none = np.zeros(0)
         return cls(

@@ -1,7 +1,5 @@
 """Tables of results, the same for the terminal and as Markdown, and figures as text."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Sequence
 from typing import NamedTuple, TypeVar

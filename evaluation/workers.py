@@ -1,7 +1,5 @@
 """Much work, the same results however many processes share it, and a line on the terminal that says how far it is."""
 
-from __future__ import annotations
-
 import multiprocessing
 import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence

@@ -1,7 +1,5 @@
 """The command line of the experiments."""
 
-from __future__ import annotations
-
 import argparse
 import logging
 from pathlib import Path

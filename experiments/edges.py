@@ -1,7 +1,5 @@
 """How well scans find where the floor ends, and what they report where nobody knows the truth: figures and tables."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 

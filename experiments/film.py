@@ -3,8 +3,6 @@
 Each picture shows what the camera sees, what the fused scan tells, and the maps of the three scans as they grow.
 """
 
-from __future__ import annotations
-
 import argparse
 import io
 import tempfile

@@ -1,7 +1,5 @@
 """A recorded depth folder: a picture of every frame, or of some where they are many, and what the scans report."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Iterator
 from pathlib import Path

@@ -1,9 +1,7 @@
 """What was published of one frame, put together by its number and stamp."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
-from typing import NamedTuple
+from typing import NamedTuple, Self
 
 from cliffscan.common.contract.messages import DepthImage, LaserScan
 from cliffscan.common.perception.combine import combine
@@ -20,11 +18,11 @@ class Frame(NamedTuple):
     image: DepthImage
     scans: dict[str, LaserScan]
 
-    def with_paper(self) -> Frame:
+    def with_paper(self) -> Self:
         """The same with the combination of the paper's methods among the scans, all in ORDER."""
         of_paper = [self.scans[method] for method in PAPER_METHODS]
         scans = {**self.scans, PAPER: of_paper[0].model_copy(update=combine(of_paper).arrays())}
-        return Frame(self.image, {name: scans[name] for name in ORDER if name in scans})
+        return self._replace(scans={name: scans[name] for name in ORDER if name in scans})
 
 
 class Gathering:

@@ -5,8 +5,6 @@ the first one's name. What they get are its frames with the floor where the moun
 neither measures the floor nor knows that the robot nods.
 """
 
-from __future__ import annotations
-
 import os
 import sys
 from collections.abc import Iterator, Sequence
@@ -46,28 +44,6 @@ class Setting:
     out: Path
     overrides: Sequence[str]  # SERVICE.KEY=VALUE
     floor: FloorPlane  # as the mount has it
-
-
-@contextmanager
-def map_system(setting: Setting, stop: StopSignal) -> Iterator[MapSystem]:
-    """All processes, which run within the context."""
-    overrides = [f"capture.rate={RATE}", *setting.overrides]
-    name, slip = f"demo-{os.getpid()}", ["--slip-noise", str(SLIP)]
-    plan = Plan(name, [free_endpoint()], overrides=overrides, world=setting.world, simulation=slip)
-    with System(plan, stop) as system:
-        paper = Plan(f"{plan.robot}/{PAPER}", plan.listen, overrides=["profile=paper"])
-        for service in PAPER_SERVICES:
-            system.supervisor.start(f"{PAPER}_{service}", paper.service(service))
-        for name, scan in SCANS.items():
-            system.supervisor.start(f"map_{name}", mapper(setting, plan, name, scan))
-        with Bus(Network("client", [plan.endpoint]), paper.robot) as bus:
-            running = MapSystem(system, bus)
-            relay(system.bus, bus, setting.floor)
-            try:
-                yield running
-            finally:
-                if running.feed:
-                    running.feed.close()
 
 
 def mapper(setting: Setting, plan: Plan, name: str, scan: str) -> list[str]:
@@ -125,3 +101,25 @@ class MapSystem:
 
     def _changed(self, service: str, alive: bool) -> None:
         (self._paper_alive.add if alive else self._paper_alive.discard)(service)
+
+
+@contextmanager
+def map_system(setting: Setting, stop: StopSignal) -> Iterator[MapSystem]:
+    """All processes, which run within the context."""
+    overrides = [f"capture.rate={RATE}", *setting.overrides]
+    name, slip = f"demo-{os.getpid()}", ["--slip-noise", str(SLIP)]
+    plan = Plan(name, [free_endpoint()], overrides=overrides, world=setting.world, simulation=slip)
+    with System(plan, stop) as system:
+        paper = Plan(f"{plan.robot}/{PAPER}", plan.listen, overrides=["profile=paper"])
+        for service in PAPER_SERVICES:
+            system.supervisor.start(f"{PAPER}_{service}", paper.service(service))
+        for name, scan in SCANS.items():
+            system.supervisor.start(f"map_{name}", mapper(setting, plan, name, scan))
+        with Bus(Network("client", [plan.endpoint]), paper.robot) as bus:
+            running = MapSystem(system, bus)
+            relay(system.bus, bus, setting.floor)
+            try:
+                yield running
+            finally:
+                if running.feed:
+                    running.feed.close()

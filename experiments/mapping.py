@@ -1,7 +1,5 @@
 """The mapping experiment (figures 23 to 25): one drive, mapped from the positive scan, the paper's and ours."""
 
-from __future__ import annotations
-
 import math
 import time
 from collections.abc import Iterator, Mapping, Sequence

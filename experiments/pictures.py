@@ -1,7 +1,5 @@
 """The pictures: of a world, one for each group of the paper's figures; of a recorded frame, one with everything."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 from cliffscan.simulator.truth import outlines

@@ -1,7 +1,5 @@
 """What every experiment of the demo needs: its configuration, a place to write, a progress bar, a table at the end."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager

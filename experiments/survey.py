@@ -1,7 +1,5 @@
 """A drive and all that is published on it: the robot is led along its steps, maps, poses and some frames are kept."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 from cliffscan.common.contract.base_messages import Odometry, Triple, Velocity

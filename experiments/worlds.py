@@ -1,7 +1,5 @@
 """Simulated worlds through the real services: pictures of each, and the error of the edge of its hole."""
 
-from __future__ import annotations
-
 import os
 import time
 from collections.abc import Mapping, Sequence

@@ -9,8 +9,6 @@ that agree must span a wide angle, and several pairs of scans in a row must agre
 towards the robot passes for an odometry that is wrong, and stops the robot.
 """
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

@@ -1,7 +1,5 @@
 """How far the robot's disc can go along an arc before it touches something, and how fast it may go until then."""
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

@@ -1,7 +1,5 @@
 """How far a scan looks past a cell of the ground: the geometry of beams, without a memory."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Which of several drivers' commands holds: one source at a time, and none whose stamp is far from our clock."""
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

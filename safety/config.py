@@ -1,7 +1,5 @@
 """The settings of a gate, which the service of any base has."""
 
-from __future__ import annotations
-
 import math
 from typing import Annotated
 

@@ -1,7 +1,5 @@
 """What the base does by itself when it touches something or stands at an edge: it backs off, and then keeps away."""
 
-from __future__ import annotations
-
 import math
 from typing import Literal, NamedTuple
 

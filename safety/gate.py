@@ -4,8 +4,6 @@ It has no clock and no port: times [s] are arguments, on one clock that does not
 function of what it took in and of the time, and every doubt stops the robot.
 """
 
-from __future__ import annotations
-
 import math
 
 from cliffscan.common.contract.description import CameraDescription

@@ -4,8 +4,6 @@ A camera 0.30 m high sees no floor nearer than 0.72 m, so an edge vanishes from 
 What the scans showed is therefore kept, in the odometry's frame, until it is seen to be free or lies behind.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

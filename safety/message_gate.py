@@ -3,8 +3,6 @@
 Steady times `now` are in seconds, stamps in nanoseconds since the epoch. Nothing here reads a clock.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 

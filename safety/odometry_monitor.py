@@ -4,8 +4,6 @@ While the base drives on, encoders that stand still keep the gate's map where it
 never comes nearer. Such an odometry must not be driven by.
 """
 
-from __future__ import annotations
-
 import math
 from collections import deque
 from typing import NamedTuple

@@ -1,7 +1,5 @@
 """What the base may still be doing of the velocities it was sent before."""
 
-from __future__ import annotations
-
 import math
 from collections import deque
 from typing import NamedTuple

@@ -1,7 +1,5 @@
 """Where the robot was a moment ago: scans are older than the odometry they are put into."""
 
-from __future__ import annotations
-
 import math
 from bisect import bisect_left
 from collections import deque

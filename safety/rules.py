@@ -1,7 +1,5 @@
 """The gate's rules, in order of strength: the first that holds decides what goes to the wheels."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import dataclass

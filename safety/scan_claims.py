@@ -1,7 +1,5 @@
 """What a scan may claim: no more than the described camera can see, on a sane grid, and nothing of the future."""
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple, Self
 

@@ -1,7 +1,5 @@
 """How fast the robot may go, by what is known of the ground ahead of it and by what the base may still be doing."""
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 
@@ -15,14 +13,6 @@ WIDER = 0.1  # [m] looked at beyond what braking takes
 ROUNDING = 1e-6  # [m] by which the same distance differs from one pose to the next
 
 
-class SpeedLimit(NamedTuple):
-    """What the ground on one side, ahead or behind, leaves of a velocity."""
-
-    factor: float  # 1 for all of it
-    distance: float  # [m] the robot can go; beyond what braking takes nobody looks
-    obstruction: Obstruction | None = None  # what is in the way
-
-
 class Obstruction(NamedTuple):
     """What holds the robot back, for people."""
 
@@ -32,6 +22,14 @@ class Obstruction(NamedTuple):
 
     def __str__(self) -> str:
         return f"{self.kind} {_direction(self.bearing)}, {self.gap:.2f} m from the hull"
+
+
+class SpeedLimit(NamedTuple):
+    """What the ground on one side, ahead or behind, leaves of a velocity."""
+
+    factor: float  # 1 for all of it
+    distance: float  # [m] the robot can go; beyond what braking takes nobody looks
+    obstruction: Obstruction | None = None  # what is in the way
 
 
 NO_LIMIT = SpeedLimit(1.0, math.inf)

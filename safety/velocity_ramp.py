@@ -1,7 +1,5 @@
 """From what was allowed last to what is wanted now: no faster than the base may be, no sooner than it may get there."""
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

@@ -1,7 +1,5 @@
 """Which floor a camera can see at all, by its description: what lies outside is never freed by a scan."""
 
-from __future__ import annotations
-
 from typing import NamedTuple, Self
 
 import numpy as np

@@ -3,8 +3,6 @@
 The world's time passes with the clock's. Faults on demand, and the truth, over the control socket; `help` lists them.
 """
 
-from __future__ import annotations
-
 import argparse
 import logging
 import math

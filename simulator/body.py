@@ -3,8 +3,6 @@
 Its frame is REP-103's base_link: x ahead, y left, z up, the origin on the floor between the wheels.
 """
 
-from __future__ import annotations
-
 import math
 from importlib.resources import files
 

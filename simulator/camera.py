@@ -1,7 +1,5 @@
 """A simulated Kinect on a robot that stands in a world."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from cliffscan.common.contract.camera import Camera, check_camera

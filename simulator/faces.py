@@ -1,7 +1,5 @@
 """The scene as flat convex faces, the form in which it is drawn."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterable
 from typing import NamedTuple

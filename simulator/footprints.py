@@ -1,7 +1,5 @@
 """The scene seen from above: where boxes and cylinders stand, how high they are, and where a line crosses them."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """Hands the newest frame to whoever is connected; who reads slowly misses some, and holds nobody up."""
 
-from __future__ import annotations
-
 import contextlib
 import socket
 import threading

@@ -4,11 +4,10 @@ The sensor measures the disparity b f / z of a speckle pattern. Its noise and it
 inverse depth, and grow as z² in depth: Khoshelham and Elberink 2012.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from statistics import NormalDist
+from typing import Self
 
 import numpy as np
 from numba import njit
@@ -49,7 +48,7 @@ class KinectModel:
                 raise ValueError(f"{name} of {getattr(self, name)}, expected 0 <= {name} < 1")
 
     @classmethod
-    def ideal(cls) -> KinectModel:
+    def ideal(cls) -> Self:
         """A sensor that loses nothing and errs by its rounding to millimetres alone."""
         return cls(noise=0.0, step=0.0, baseline=0.0, grazing=0.0, dropout=0.0)
 

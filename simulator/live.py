@@ -1,7 +1,5 @@
 """A simulation at the clock's pace, or slower: never faster, and never as if time had passed that has not."""
 
-from __future__ import annotations
-
 import json
 import logging
 import math

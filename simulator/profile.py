@@ -4,8 +4,6 @@ All surfaces are flat, so along a beam every height is a straight line between t
 begins or ends, and where a ramp comes out of another piece. A walk goes from break to break, on all beams at once.
 """
 
-from __future__ import annotations
-
 import math
 from itertools import pairwise
 from typing import NamedTuple

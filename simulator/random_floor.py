@@ -3,8 +3,6 @@
 The robot's start, at the origin, is free. Between any two things, and to the walls, there is room for it to pass.
 """
 
-from __future__ import annotations
-
 import math
 from itertools import pairwise
 from random import Random

@@ -4,8 +4,6 @@ Along the image plane the inverse depth 1/z of a plane is affine in (u, v). So a
 image, filled row by row with a straight line of 1/z, and the nearest face is the one of the largest 1/z.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

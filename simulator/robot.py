@@ -7,8 +7,6 @@ while not simulation.fallen:
     depth = simulation.frame()
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

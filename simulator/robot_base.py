@@ -1,7 +1,5 @@
 """A base whose wheels stand in a world: what it feels there goes to its sensors."""
 
-from __future__ import annotations
-
 import math
 
 from cliffscan.simulator.body import Body

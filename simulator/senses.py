@@ -1,7 +1,5 @@
 """What the base feels of the world: bumpers from contacts, cliff sensors from rays, wheel drops from the springs."""
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

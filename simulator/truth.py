@@ -5,8 +5,6 @@ the robot's heading. Floor are all surfaces at z = 0, and what ramps lead to fro
 boxes and cylinders and for ramps; a world with anything else raises ValueError.
 """
 
-from __future__ import annotations
-
 import math
 from typing import Literal, NamedTuple, get_args
 

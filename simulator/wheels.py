@@ -1,7 +1,5 @@
 """The firmware's drive, with MuJoCo's world in the place of the flat floor."""
 
-from __future__ import annotations
-
 import math
 import random
 

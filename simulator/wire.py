@@ -17,8 +17,6 @@ Where the camera truly is over the floor is not told: it is mounted as `python -
 An address is a path, for a Unix socket, or HOST:PORT.
 """
 
-from __future__ import annotations
-
 import json
 import socket
 import struct

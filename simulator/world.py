@@ -1,7 +1,5 @@
 """A simulated world: its MuJoCo model and the robot's place in it."""
 
-from __future__ import annotations
-
 import math
 from importlib.resources import files
 from typing import NamedTuple

@@ -1,7 +1,5 @@
 """The names of the worlds, for programs that need not load one."""
 
-from __future__ import annotations
-
 from importlib.resources import files
 
 RANDOM = "random:"  # with a seed, the name of a random floor

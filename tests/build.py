@@ -1,7 +1,5 @@
 """What the unit tests are made of: messages as a foreign client builds them, depth folders, and a bus of lists."""
 
-from __future__ import annotations
-
 import json
 import math
 import threading

@@ -3,8 +3,6 @@
 Whatever comes of them must be refused with one line, or be harmless. A seed always gives the same messages.
 """
 
-from __future__ import annotations
-
 import math
 import random
 import struct

@@ -1,7 +1,5 @@
 """All that reads messages, in one process: what it does with one is harmless, or it is refused."""
 
-from __future__ import annotations
-
 import math
 
 from cliffscan.common.contract.base_messages import Velocity

@@ -1,7 +1,5 @@
 """Hostile messages for the real services, and the good ones between them that have to be answered at once."""
 
-from __future__ import annotations
-
 import contextlib
 import queue
 import random

@@ -3,8 +3,6 @@
 Of the paper's, points are taken one by one; where it has a level camera and y' = 0.3 m, the floor plane is any.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from functools import cache

@@ -1,7 +1,5 @@
 """The projection of what stands on the floor, and the floor it stands on, as plainly as they are described."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 

@@ -3,8 +3,6 @@
 Arithmetic is in single precision and in the kernels' order, so that both decide alike.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from cliffscan.common.contract.camera import Affine

@@ -1,7 +1,5 @@
 """Small depth images of made-up places, for tests: a floor with holes and boxes, seen by any camera."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Score every method of negative on random scenes: python -m benchmarks.accuracy [--scenes N] [--seed S] ..."""
 
-from __future__ import annotations
-
 import argparse
 import os
 from collections.abc import Sequence

@@ -1,11 +1,9 @@
 """The cases: a kind of scene, a seed, and where the camera is."""
 
-from __future__ import annotations
-
 import math
 import zlib
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import NamedTuple, Self
 
 import numpy as np
 
@@ -42,7 +40,7 @@ class Case(NamedTuple):
         return f"{self.mount + '-' if self.mount == MOUNTED else ''}{self.kind}:{self.seed}"
 
     @classmethod
-    def parse(cls, name: str) -> Case:
+    def parse(cls, name: str) -> Self:
         """The case of a name. Raises ValueError for another text."""
         kind, _, seed = name.partition(":")
         bare = kind.removeprefix(f"{MOUNTED}-")

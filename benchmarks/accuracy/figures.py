@@ -1,9 +1,7 @@
 """The figures of a method over many scans, by DEFINITIONS."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import NamedTuple, Self
 
 import numpy as np
 
@@ -55,7 +53,7 @@ class Figures(NamedTuple):
     clear_beyond: float
 
     @classmethod
-    def of(cls, drops: Sequence[Tally], safe: Sequence[Tally], kerbs: Sequence[Tally]) -> Figures:
+    def of(cls, drops: Sequence[Tally], safe: Sequence[Tally], kerbs: Sequence[Tally]) -> Self:
         """The figures of scans of scenes with drops, of safe ones, and of those with a kerb of 5 cm within 1.5 m."""
         drop, quiet, kerb = Tally.total(drops), Tally.total(safe), Tally.total(kerbs)
         wrong = (Verdict.FALSE, Verdict.ASTRAY)

@@ -1,7 +1,5 @@
 """Noisy Kinect frames of a case, with the floor plane that the service would be given."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from dataclasses import replace

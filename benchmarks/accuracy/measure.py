@@ -1,7 +1,5 @@
 """Cases times plane modes times scans, the same rows however many processes share the work."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from functools import partial
 

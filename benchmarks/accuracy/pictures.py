@@ -1,7 +1,5 @@
 """A picture of a case: for each scan what the sensor saw with the verdicts over it, and the scene from above."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """The tables, as Markdown."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 
 from benchmarks.accuracy.figures import DEFINITIONS, Figures

@@ -1,11 +1,9 @@
 """The rows of results, one for every case, plane mode and scan, and the figures over any of them."""
 
-from __future__ import annotations
-
 import csv
 from collections.abc import Sequence
 from pathlib import Path
-from typing import NamedTuple
+from typing import NamedTuple, Self
 
 import numpy as np
 
@@ -28,7 +26,7 @@ class Census(NamedTuple):
     sinking: int  # undecidable, though more of it is seen
 
     @classmethod
-    def of(cls, truths: Sequence[Truth]) -> Census:
+    def of(cls, truths: Sequence[Truth]) -> Self:
         """The census of frames of these truths."""
         return cls(
             sum(len(truth.edge) for truth in truths),
@@ -39,7 +37,7 @@ class Census(NamedTuple):
         )
 
     @classmethod
-    def total(cls, parts: Sequence[Census]) -> Census:
+    def total(cls, parts: Sequence[Self]) -> Self:
         """All of them together."""
         return cls(*map(sum, zip(*parts, strict=True))) if parts else cls(0, 0, 0, 0, 0)
 

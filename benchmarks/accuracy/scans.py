@@ -1,7 +1,5 @@
 """What the methods of negative report on a frame, each alone and combined as the paper and the defaults do."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 from benchmarks.accuracy.frames import Frame

@@ -1,7 +1,5 @@
 """Let robots wander through random worlds, and count what happens to them: python -m benchmarks.falls ..."""
 
-from __future__ import annotations
-
 import argparse
 import math
 import os

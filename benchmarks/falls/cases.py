@@ -1,7 +1,5 @@
 """The runs: who drives, how fast, and in which random world."""
 
-from __future__ import annotations
-
 import argparse
 from collections.abc import Sequence
 from typing import NamedTuple, Self, get_args

@@ -6,8 +6,6 @@ heads straight for any place, inside or outside, whatever it has seen there. Whe
 turns away and picks another goal; when the robot does not get away from a place at all it first backs off.
 """
 
-from __future__ import annotations
-
 import math
 from random import Random
 

@@ -4,8 +4,6 @@ A raster of the floor plan. Obstacles are at their exact distance; where the flo
 that wheels do not take, is told to half a cell.
 """
 
-from __future__ import annotations
-
 import math
 from functools import cached_property
 

@@ -1,7 +1,5 @@
 """What is noted of a run while it goes on."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from benchmarks.falls.cases import Case

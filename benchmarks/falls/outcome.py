@@ -1,7 +1,5 @@
 """What came of a run."""
 
-from __future__ import annotations
-
 from typing import Literal, NamedTuple
 
 from benchmarks.falls.cases import Case

@@ -1,7 +1,5 @@
 """From a depth frame to the fused scan, as capture and perception make it, without processes between."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import replace
 from typing import Literal

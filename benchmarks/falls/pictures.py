@@ -1,7 +1,5 @@
 """A picture of a run: the world from above, the robot's way by the gate's rules, and what happened."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from pathlib import Path
 

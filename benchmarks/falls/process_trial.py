@@ -1,7 +1,5 @@
 """Runs through the real processes: the same worlds, driver and reckoning, at the clock's pace."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Iterator, Sequence
 from contextlib import suppress

@@ -1,7 +1,5 @@
 """The table, and files of the runs and of what happened in them, each with the name by which --only replays it."""
 
-from __future__ import annotations
-
 import csv
 import json
 from collections.abc import Sequence

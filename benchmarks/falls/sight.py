@@ -1,7 +1,5 @@
 """Where scans saw that a robot's middle cannot be: a raster of marks that come with what is seen, and go again."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """One run: a robot in a world, its perception, its base's controller and its driver, as fast as the machine can."""
 
-from __future__ import annotations
-
 import logging
 import time
 from collections import deque

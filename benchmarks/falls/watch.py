@@ -1,7 +1,5 @@
 """Sees what happens to a robot."""
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

@@ -1,7 +1,5 @@
 """Break something while the robot drives, again and again: python -m benchmarks.faults [--trials N] [--seed S]."""
 
-from __future__ import annotations
-
 import argparse
 import logging
 import random

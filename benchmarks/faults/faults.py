@@ -4,8 +4,6 @@ A base whose line is cut obeys its last command, for nobody can tell it to stop,
 emulated firmware has no timeout of its own, as the real one may not have either.
 """
 
-from __future__ import annotations
-
 import signal
 from collections.abc import Callable
 from typing import NamedTuple

@@ -1,7 +1,5 @@
 """Stands between a simulation and capture, and hands frames on late, again and again, or not at all."""
 
-from __future__ import annotations
-
 import contextlib
 import threading
 import time

@@ -4,8 +4,6 @@
 goes on until it is ended.
 """
 
-from __future__ import annotations
-
 import argparse
 import itertools
 import math
@@ -16,7 +14,6 @@ from collections.abc import Callable
 from contextlib import AbstractContextManager
 from functools import partial
 from threading import Thread
-from types import TracebackType
 
 import numpy as np
 import zenoh
@@ -127,9 +124,7 @@ class Intrusion(AbstractContextManager["Intrusion"]):
         self._process.kill()
         self._process.wait()
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self.end()
 
 

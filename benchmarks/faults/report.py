@@ -1,7 +1,5 @@
 """The outcomes of all trials as a table."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from statistics import median

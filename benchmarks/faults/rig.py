@@ -1,7 +1,5 @@
 """The real processes in a simulated world, driven and watched."""
 
-from __future__ import annotations
-
 import os
 import random
 import signal
@@ -33,20 +31,6 @@ class Sample(NamedTuple):
     pose: Pose
     speed: float  # [m/s] of the middle between the wheels, backward too
     fallen: bool
-
-
-@contextmanager
-def running_rig(stop: StopSignal, rng: random.Random) -> Iterator[Rig]:
-    """All processes, which run within the context. Raises TimeoutError, Interrupted."""
-    with TemporaryDirectory(prefix="faults-") as folder, ExitStack() as entered:
-        frames = Path(folder) / "frames"
-        options = ["--frames", str(frames), "--start", *map(str, START[:2]), "0"]
-        robot = entered.enter_context(driven_robot("faults", WORLD, stop, options))
-        robot.wait(frames.is_socket, "the simulation")
-        relay = FrameRelay(str(frames), str(robot.folder / "frames"))
-        entered.callback(relay.close)
-        robot.ready()
-        yield Rig(robot, relay, Shuttle(rng), entered)
 
 
 class Rig:
@@ -129,3 +113,17 @@ class Rig:
         plan = self._robot.system.plan
         commands = {"router": plan.router(), "capture": plan.capture(), **plan.base_processes()}
         self._robot.system.supervisor.start(name, commands.get(name) or plan.service(name))
+
+
+@contextmanager
+def running_rig(stop: StopSignal, rng: random.Random) -> Iterator[Rig]:
+    """All processes, which run within the context. Raises TimeoutError, Interrupted."""
+    with TemporaryDirectory(prefix="faults-") as folder, ExitStack() as entered:
+        frames = Path(folder) / "frames"
+        options = ["--frames", str(frames), "--start", *map(str, START[:2]), "0"]
+        robot = entered.enter_context(driven_robot("faults", WORLD, stop, options))
+        robot.wait(frames.is_socket, "the simulation")
+        relay = FrameRelay(str(frames), str(robot.folder / "frames"))
+        entered.callback(relay.close)
+        robot.ready()
+        yield Rig(robot, relay, Shuttle(rng), entered)

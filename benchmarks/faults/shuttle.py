@@ -1,7 +1,5 @@
 """Drives to and fro between a drop and a wall by the robot's true place, so that no fault misleads the driver."""
 
-from __future__ import annotations
-
 import random
 
 from cliffscan.simulator.world import Pose

@@ -1,7 +1,5 @@
 """One fault at a random time of a drive: when the robot is at rest, whether it falls, whether it goes on."""
 
-from __future__ import annotations
-
 import math
 import random
 from collections.abc import Callable

@@ -1,7 +1,5 @@
 """The messages of the robot's base, each field with its unit and limits."""
 
-from __future__ import annotations
-
 from typing import Annotated, Literal, Self
 
 import numpy as np

@@ -4,8 +4,6 @@ A field's type and its row stand together. Messages are checked by the rows, com
 say, and the table in common/README.md is tested against them.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from enum import Enum

@@ -1,8 +1,6 @@
 """The beams of a scan: their azimuths, and the one that sees a given azimuth."""
 
-from __future__ import annotations
-
-from typing import NamedTuple
+from typing import NamedTuple, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,7 +16,7 @@ class Grid(NamedTuple):
     increment: float  # [rad]
 
     @classmethod
-    def between(cls, beams: int, angle_min: float, angle_max: float) -> Grid:
+    def between(cls, beams: int, angle_min: float, angle_max: float) -> Self:
         """The grid whose first and last beam have these azimuths [rad]; at least two beams."""
         return cls(beams, angle_min, (angle_max - angle_min) / (beams - 1))
 
@@ -27,7 +25,7 @@ class Grid(NamedTuple):
         """Azimuth [rad] of the last beam."""
         return self.angle_min + (self.beams - 1) * self.increment
 
-    def matches(self, other: Grid) -> bool:
+    def matches(self, other: Self) -> bool:
         """Whether both have the same beams, but for what rounding does to their angles."""
         slack = 0.01 * self.increment
         ends = (self.angle_min - other.angle_min, self.angle_max - other.angle_max)

@@ -6,8 +6,6 @@ small numbers, folded to unsigned (0, -1, 1, -2 … → 0, 1, 2, 3 …) and spli
 high bytes, are what zstandard compresses.
 """
 
-from __future__ import annotations
-
 import numpy as np
 import zstandard
 from numpy.typing import NDArray

@@ -1,7 +1,5 @@
 """What is true of a robot: said once by the process that knows it, and taken from there by all others."""
 
-from __future__ import annotations
-
 from typing import Annotated, NamedTuple, Self
 
 import numpy as np

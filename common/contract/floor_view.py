@@ -4,8 +4,6 @@ A polygon is the rays through its corners, (n, 3): how far each goes forward, le
 are affine in (u, v) too, so a ray on an edge lies between the edge's ends, and a half-plane of the image is w·ray ≥ c.
 """
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import NDArray
 

@@ -4,8 +4,6 @@ The bus looks at a payload's length by its key, msgpack at what is not `bin`, an
 limit leaves room for any real robot; none leaves room for an overflow, a division by zero or a shortage of memory.
 """
 
-from __future__ import annotations
-
 import math
 
 from pydantic import Field

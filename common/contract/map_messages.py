@@ -1,7 +1,5 @@
 """What a SLAM plug-in says: the map, and where the robot is on it."""
 
-from __future__ import annotations
-
 from typing import Annotated, Self
 
 from pydantic import Field, model_validator

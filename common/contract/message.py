@@ -1,7 +1,5 @@
 """What all messages share: one msgpack map each, encoded and decoded here and nowhere else."""
 
-from __future__ import annotations
-
 from typing import Annotated, Any, Self, TypeAlias
 
 import msgpack
@@ -91,11 +89,6 @@ def _little_endian(dtype: str) -> PlainValidator:
     return PlainValidator(read)
 
 
-def _packable(value: NDArray[Any] | Part) -> bytes | dict[str, Any]:
-    """What msgpack takes in the place of an array or a part of a message."""
-    return value.__dict__ if isinstance(value, Part) else value.tobytes()
-
-
 Float32s: TypeAlias = Annotated[NDArray[np.float32], _little_endian("<f4")]
 Int8s: TypeAlias = Annotated[NDArray[np.int8], _little_endian("<i1")]
 UInt64: TypeAlias = Annotated[int, Field(ge=0, lt=2**64)]
@@ -141,3 +134,8 @@ class Message(Part):
             return cls.model_validate(fields)
         except ValidationError as error:
             raise MessageError(explain(error)) from error
+
+
+def _packable(value: NDArray[Any] | Part) -> bytes | dict[str, Any]:
+    """What msgpack takes in the place of an array or a part of a message."""
+    return value.__dict__ if isinstance(value, Part) else value.tobytes()

@@ -1,11 +1,9 @@
 """Every key that carries messages: one row a topic, from which the bus, the services and the wire page follow."""
 
-from __future__ import annotations
-
 import re
 from dataclasses import dataclass, replace
 from enum import Enum
-from typing import Any, Generic, TypeVar
+from typing import Any, Generic, Self, TypeVar
 
 from cliffscan.common.contract.base_messages import BaseState, Imu, Odometry, SafetyState, Velocity
 from cliffscan.common.contract.description import RobotDescription
@@ -44,7 +42,7 @@ class Topic(Generic[M]):
         """The path, of a family without the part that differs."""
         return self.path.partition("/<")[0]
 
-    def named(self, name: str) -> Topic[M]:
+    def named(self, name: str) -> Self:
         """The topic of a family with this name."""
         return replace(self, path=f"{self.prefix}/{name}")
 

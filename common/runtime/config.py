@@ -1,7 +1,5 @@
 """Configuration: a TOML file with one table per service, overridden by KEY=VALUE; refused with one line when wrong."""
 
-from __future__ import annotations
-
 import textwrap
 import tomllib
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence

@@ -4,8 +4,6 @@ Numba refuses to compile where it can write neither beside the sources nor to th
 package that are read-only.
 """
 
-from __future__ import annotations
-
 import logging
 import os
 import stat

@@ -1,7 +1,5 @@
 """A short queue between the thread that receives and the one that works: the newest wins."""
 
-from __future__ import annotations
-
 import threading
 from collections import deque
 from typing import Generic, TypeVar

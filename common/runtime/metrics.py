@@ -1,7 +1,5 @@
 """What a service counts and warns of: every event is counted, its log line comes at a limited rate."""
 
-from __future__ import annotations
-
 import logging
 import threading
 import time

@@ -1,7 +1,5 @@
 """The command line that every process on the network shares."""
 
-from __future__ import annotations
-
 import argparse
 from pathlib import Path
 

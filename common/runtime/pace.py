@@ -1,7 +1,5 @@
 """How fast work may come in: what comes faster waits, so that no flood takes a whole process."""
 
-from __future__ import annotations
-
 
 class Pace:
     """Lets `burst` things through at once, and `rate` [Hz] over time. Times [s] are the caller's, on any clock."""

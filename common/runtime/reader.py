@@ -5,8 +5,6 @@ one key would delay every other. A ring drops its oldest entry instead, in nativ
 asker.
 """
 
-from __future__ import annotations
-
 import logging
 import threading
 import time

@@ -1,7 +1,5 @@
 """The life of a service: configuration, signals, the bus, the ready token, status every second, a clean end."""
 
-from __future__ import annotations
-
 import argparse
 import logging
 import os

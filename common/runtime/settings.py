@@ -1,7 +1,5 @@
 """What each setting means, in words, as its configuration class says it."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterator
 from typing import Literal, NamedTuple, get_args, get_origin

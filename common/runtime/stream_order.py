@@ -1,7 +1,5 @@
 """Whether a stream of stamped samples is still the one camera it was."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 

@@ -7,8 +7,6 @@ fragments. Shared memory is off: where a process may not lock as much memory as 
 limit), Zenoh loses every large message without a word.
 """
 
-from __future__ import annotations
-
 import json
 from collections.abc import Mapping
 from pathlib import Path

@@ -1,7 +1,5 @@
 """A depth image as points over the floor, and what each of them is to the robot."""
 
-from __future__ import annotations
-
 from enum import IntEnum
 from typing import NamedTuple
 

@@ -1,7 +1,5 @@
 """Maps beside one another over what is truly there."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The single panels of the pictures, each drawn on axes that it is given; each returns its legend."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import NamedTuple
 

@@ -1,7 +1,5 @@
 """The scene from above: robot, field of view, and what is truly there, in the robot's frame with its heading up."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Sequence
 from typing import NamedTuple

@@ -1,7 +1,5 @@
 """A picture of several panels with one legend of what is in them, written as PNG."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path

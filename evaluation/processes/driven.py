@@ -1,7 +1,5 @@
 """A simulated robot and the real processes around it, for who drives and watches it from outside."""
 
-from __future__ import annotations
-
 import json
 import os
 import time
@@ -26,19 +24,6 @@ RATE = 10.0  # [Hz] of the frames: two cores keep up
 
 class Interrupted(Exception):
     """The benchmark was told to end."""
-
-
-@contextmanager
-def driven_robot(
-    name: str, world: str, stop: StopSignal, simulation: Sequence[str] = (), overrides: Sequence[str] = ()
-) -> Iterator[DrivenRobot]:
-    """A robot whose processes run within the context.
-
-    name: what its robot is called; simulation: options of `python -m simulator`; overrides: SERVICE.KEY=VALUE.
-    """
-    robot, settings = f"{name}-{os.getpid()}", [f"capture.rate={RATE}", *overrides]
-    with System(Plan(robot, [free_endpoint()], overrides=settings, world=world, simulation=simulation), stop) as system:
-        yield DrivenRobot(system, stop)
 
 
 class DrivenRobot:
@@ -87,3 +72,16 @@ class DrivenRobot:
         """The simulation's time [s] and what no sensor tells, as simulator/live.py has it."""
         told: dict[str, Any] = json.loads(self.remote.tell("truth"))
         return told
+
+
+@contextmanager
+def driven_robot(
+    name: str, world: str, stop: StopSignal, simulation: Sequence[str] = (), overrides: Sequence[str] = ()
+) -> Iterator[DrivenRobot]:
+    """A robot whose processes run within the context.
+
+    name: what its robot is called; simulation: options of `python -m simulator`; overrides: SERVICE.KEY=VALUE.
+    """
+    robot, settings = f"{name}-{os.getpid()}", [f"capture.rate={RATE}", *overrides]
+    with System(Plan(robot, [free_endpoint()], overrides=settings, world=world, simulation=simulation), stop) as system:
+        yield DrivenRobot(system, stop)

@@ -1,7 +1,5 @@
 """A place on this machine's network that nobody uses."""
 
-from __future__ import annotations
-
 import socket
 
 

@@ -1,12 +1,9 @@
 """The services' log lines: kept in a file, and only complaints shown, so that they do not tear up the progress bar."""
 
-from __future__ import annotations
-
 import os
 import re
 import sys
 from pathlib import Path
-from types import TracebackType
 from typing import Self
 
 STDERR = 2
@@ -33,9 +30,7 @@ class ServiceLog:
         self._line = ""
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         sys.stderr.flush()
         os.dup2(self._stderr, STDERR)
         os.close(self._stderr)

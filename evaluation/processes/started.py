@@ -1,11 +1,8 @@
 """Single programs of this project, started for a measurement and ended after it, and what they cost."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 from contextlib import AbstractContextManager
-from types import TracebackType
 
 import psutil
 
@@ -33,9 +30,7 @@ class Started(AbstractContextManager["Started"]):
         """The command lines of those that have ended by themselves."""
         return [str(process.args) for process in self.processes if process.poll() is not None]
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         for process in reversed(self.processes):
             process.terminate()
             process.wait()

@@ -1,7 +1,5 @@
 """A scripted drive: from where the robot is by its odometry, to what to command."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from typing import NamedTuple

@@ -1,7 +1,5 @@
 """Where a simulated robot truly is, frame by frame: what no sensor tells, received from its simulation."""
 
-from __future__ import annotations
-
 import contextlib
 import socket
 import threading

@@ -1,7 +1,5 @@
 """Notices when processes that were started for something die, or do not get on."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Callable, Collection
 from typing import Protocol

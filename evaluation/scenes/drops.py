@@ -1,7 +1,5 @@
 """Scenes in which the floor ends: holes, kerbs, platforms and stairs. Each takes the camera's reach of edges [m]."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

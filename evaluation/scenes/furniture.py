@@ -1,7 +1,5 @@
 """What stands about: boxes, people, tables, railings and walls, put where there is floor and not on the robot."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

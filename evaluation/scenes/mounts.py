@@ -1,7 +1,5 @@
 """Where the camera is: on a TurtleBot, level and 0.30 m high, or anywhere a robot may carry it."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

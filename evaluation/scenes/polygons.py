@@ -3,8 +3,6 @@
 A polygon is (corners, 2) [m], counter-clockwise.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Scenes in which a robot may drive on: whatever number a method reports there is false."""
 
-from __future__ import annotations
-
 import math
 
 from evaluation.scenes.drops import Span, halves

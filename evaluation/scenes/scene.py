@@ -3,8 +3,6 @@
 Coordinates [m] are those of the scan frame: the origin on the floor below the camera, x ahead, y left, z up.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 from typing import NamedTuple
 

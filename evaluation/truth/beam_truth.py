@@ -1,7 +1,5 @@
 """What is truly there, beam by beam, as a scan is judged by it."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

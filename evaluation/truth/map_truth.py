@@ -1,7 +1,5 @@
 """What a map of a world should show: where the floor ends by a drop, and what stands on it."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Sequence
 from itertools import pairwise

@@ -3,8 +3,6 @@
 An edge must be found where it is in sight, near, and long enough along the beam.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

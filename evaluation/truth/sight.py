@@ -1,7 +1,5 @@
 """What a Kinect can see of the floor: within its image and range, not too grazing, not hidden and not in shadow."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

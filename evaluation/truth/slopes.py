@@ -1,7 +1,5 @@
 """Where a ramp goes out of the sensor's sight."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """What a simulated world truly is, as seen from where its robot stands."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from cliffscan.common.contract.camera import Camera, Floats

@@ -1,7 +1,5 @@
 """What the beams of a scan say about the ground, as REP-117 has it."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

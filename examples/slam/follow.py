@@ -1,7 +1,5 @@
 """Scans find the robot's pose at the moment they were taken."""
 
-from __future__ import annotations
-
 import logging
 import threading
 from collections import deque

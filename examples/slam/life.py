@@ -1,7 +1,5 @@
 """When to do things, and when to end."""
 
-from __future__ import annotations
-
 import signal
 import time
 from types import FrameType

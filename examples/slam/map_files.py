@@ -1,7 +1,5 @@
 """A map as ROS `map_server` reads it: a grey picture and a page of YAML."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -1,9 +1,6 @@
 """The plug-in on the network: what it subscribes to, what it publishes, and that it is alive."""
 
-from __future__ import annotations
-
 import json
-from types import TracebackType
 from typing import Self
 
 import zenoh
@@ -28,9 +25,7 @@ class Network:
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self._session.close()  # type: ignore[no-untyped-call]
 
     def feed(self, follower: Follower) -> None:

@@ -1,7 +1,5 @@
 """An occupancy grid: beams are cast from the place they were seen from, and each cell counts the odds."""
 
-from __future__ import annotations
-
 import logging
 
 import numpy as np

@@ -1,7 +1,5 @@
 """A map by odometry's poses alone: nothing corrects them, so it is as good as the wheels are."""
 
-from __future__ import annotations
-
 from examples.slam import plugin
 from examples.slam.beams import beams
 from examples.slam.occupancy import OccupancyGrid

@@ -1,7 +1,5 @@
 """What every plug-in does: scans go into a mapper, poses and maps come out, and the map is saved at the end."""
 
-from __future__ import annotations
-
 import logging
 import math
 import sys

@@ -1,7 +1,5 @@
 """What a plug-in is told on its command line."""
 
-from __future__ import annotations
-
 import argparse
 import math
 import re

@@ -1,7 +1,5 @@
 """The bytes on the network: msgpack maps, as the wire format describes them."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """A map by yag-slam: scans are matched, loops are closed, and odometry only says where to begin."""
 
-from __future__ import annotations
-
 from typing import Any, NamedTuple
 
 import numpy as np

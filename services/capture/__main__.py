@@ -1,7 +1,5 @@
 """Depth frames of a Kinect, a recording or the simulator, each with its camera and floor plane."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from contextlib import closing
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """The configuration of capture."""
 
-from __future__ import annotations
-
 import math
 from typing import TYPE_CHECKING, Annotated, ClassVar, Literal, Self
 

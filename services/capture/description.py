@@ -1,7 +1,5 @@
 """What others need to know of the camera, published when a source is opened and when it changes."""
 
-from __future__ import annotations
-
 import time
 
 from cliffscan.common.contract import topics

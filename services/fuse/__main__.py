@@ -1,7 +1,5 @@
 """The positive and the negative scan of each frame, and any extra inputs, as one scan for any SLAM or planner."""
 
-from __future__ import annotations
-
 import time
 
 from cliffscan.common.contract import topics

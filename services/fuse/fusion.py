@@ -1,7 +1,5 @@
 """One scan of several: positive and negative of a frame, and the extra inputs."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 

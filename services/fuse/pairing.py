@@ -1,7 +1,5 @@
 """Scans of one frame find each other by their stamp."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 from cliffscan.common.contract.messages import LaserScan

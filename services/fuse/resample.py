@@ -1,7 +1,5 @@
 """A scan from elsewhere on the robot, as the camera's beams would have seen it."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from cliffscan.common.contract.beam_fields import Ranges

@@ -1,7 +1,5 @@
 """The base of a TurtleBot 2: odometry and sensors, and commands that cannot make it fall."""
 
-from __future__ import annotations
-
 from contextlib import closing
 
 from cliffscan.common.runtime.service import Service, main

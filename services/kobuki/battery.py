@@ -1,7 +1,5 @@
 """How full the Kobuki's battery is, from its voltage. Source: Kobuki driver."""
 
-from __future__ import annotations
-
 from cliffscan.services.kobuki.protocol.sensors import Core
 
 FULL = 16.5  # [V], of a new battery

@@ -3,8 +3,6 @@
 An answer is a map with `ok`, a `message` for people, and the values that were asked for.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable
 from concurrent.futures import Future
 from typing import Any

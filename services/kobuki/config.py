@@ -1,7 +1,5 @@
 """The configuration of kobuki."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from pydantic import model_validator

@@ -1,7 +1,5 @@
 """What the Kobuki feels, as the gate and the messages have it: flags to a bool for each side, left first."""
 
-from __future__ import annotations
-
 from cliffscan.safety.inputs import Contacts
 from cliffscan.services.kobuki.protocol.sensors import Bumper, Button, Cliff, Core, Overcurrent, WheelDrop
 

@@ -3,8 +3,6 @@
 It has no port, no clock and no network. Steady times `now` are in seconds, stamps in nanoseconds since the epoch.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from concurrent.futures import Future

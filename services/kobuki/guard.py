@@ -6,8 +6,6 @@ ones and ends.
 Nothing but the standard library is imported, so that it is there at once and little can go wrong.
 """
 
-from __future__ import annotations
-
 import contextlib
 import os
 import select

@@ -4,8 +4,6 @@ A command, a scan or a request is put in as a job. A turn waits for a job or for
 is, and does what is due. So nothing here needs a lock, and a decision always follows from all that came before it.
 """
 
-from __future__ import annotations
-
 import math
 import time
 

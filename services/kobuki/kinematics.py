@@ -3,8 +3,6 @@
 Source: Kobuki protocol and driver.
 """
 
-from __future__ import annotations
-
 import math
 
 WHEEL_SEPARATION = 0.23  # [m]

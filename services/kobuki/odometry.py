@@ -11,8 +11,6 @@ have moved unseen: a standard deviation of 0.35 m/s and 0.5 rad/s for as long as
 drives a silent base. These are deliberately careful figures, not measured ones.
 """
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

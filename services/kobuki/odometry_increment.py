@@ -1,7 +1,5 @@
 """What the wheels and the gyro did between two packets, or why that cannot be told."""
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple, Self
 

@@ -1,7 +1,5 @@
 """What the base shows, plays and switches on request."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Annotated, Literal
 

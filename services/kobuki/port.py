@@ -1,7 +1,5 @@
 """The serial port of the base: opened, read, written to, and guarded to the last."""
 
-from __future__ import annotations
-
 import errno
 import fcntl
 import os

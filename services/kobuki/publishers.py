@@ -1,7 +1,5 @@
 """What is published of every packet of the base."""
 
-from __future__ import annotations
-
 from cliffscan.common.contract import topics
 from cliffscan.common.runtime.service import Service
 from cliffscan.services.kobuki import reports

@@ -1,7 +1,5 @@
 """What the base reports, as the messages that everybody reads."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from cliffscan.common.contract.base_messages import BaseState, Imu, Odometry

@@ -1,7 +1,5 @@
 """What is to be done: put in by any thread, and done by one that waits for the base at the same time."""
 
-from __future__ import annotations
-
 import os
 import select
 from collections import deque

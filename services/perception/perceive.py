@@ -1,9 +1,7 @@
 """From a depth image to all of its scans, as negative, positive and fuse make them."""
 
-from __future__ import annotations
-
 from collections.abc import Collection
-from typing import NamedTuple
+from typing import NamedTuple, Self
 
 from cliffscan.common.contract.messages import DepthImage, LaserScan
 from cliffscan.common.runtime.config import PROFILES
@@ -23,7 +21,7 @@ class Settings(NamedTuple):
     methods: Collection[str] = ()
 
     @classmethod
-    def of_profile(cls, profile: str) -> Settings:
+    def of_profile(cls, profile: str) -> Self:
         """The settings of one of PROFILES."""
         if profile not in PROFILES:
             raise ValueError(f"profile {profile!r} is none of {', '.join(PROFILES)}")

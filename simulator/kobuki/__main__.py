@@ -1,7 +1,5 @@
 """A Kobuki on a pty: open the link with any driver. Faults on demand over the control socket; `help` lists them."""
 
-from __future__ import annotations
-
 import argparse
 import logging
 import signal

@@ -1,7 +1,5 @@
 """A base with its cable: the firmware, the line, and the plug."""
 
-from __future__ import annotations
-
 from cliffscan.simulator.kobuki.commands import Command
 from cliffscan.simulator.kobuki.firmware import Firmware
 from cliffscan.simulator.kobuki.line import Line

@@ -1,7 +1,5 @@
 """The cable: a pty, and a link that tells a driver where it is."""
 
-from __future__ import annotations
-
 import contextlib
 import os
 import termios

@@ -1,7 +1,5 @@
 """The other end of the control socket, for tests and for whoever plays with a running base from Python."""
 
-from __future__ import annotations
-
 import json
 import socket
 from collections.abc import Iterator
@@ -11,6 +9,25 @@ from typing import Any
 from cliffscan.simulator.kobuki.control import ControlError
 
 PATIENCE = 10.0  # [s]
+
+
+class Watch:
+    """Events as they happen: each command that the base hears, and a driver that opens or closes the port."""
+
+    def __init__(self, connection: socket.socket) -> None:
+        self._connection = connection
+        self._events = connection.makefile("r", encoding="utf-8")
+        _ask(connection, self._events.readline, "watch")
+
+    def __iter__(self) -> Iterator[dict[str, Any]]:
+        """Wait for one event after the other. Raises TimeoutError where none comes; ends with the base."""
+        for line in self._events:
+            yield json.loads(line)
+
+    def close(self) -> None:
+        """Watch no more."""
+        self._events.close()
+        self._connection.close()
 
 
 class Remote:
@@ -43,25 +60,6 @@ class Remote:
             connection.close()
             raise
         return connection
-
-
-class Watch:
-    """Events as they happen: each command that the base hears, and a driver that opens or closes the port."""
-
-    def __init__(self, connection: socket.socket) -> None:
-        self._connection = connection
-        self._events = connection.makefile("r", encoding="utf-8")
-        _ask(connection, self._events.readline, "watch")
-
-    def __iter__(self) -> Iterator[dict[str, Any]]:
-        """Wait for one event after the other. Raises TimeoutError where none comes; ends with the base."""
-        for line in self._events:
-            yield json.loads(line)
-
-    def close(self) -> None:
-        """Watch no more."""
-        self._events.close()
-        self._connection.close()
 
 
 def _ask(connection: socket.socket, readline: Any, line: str) -> str:  # noqa: ANN401

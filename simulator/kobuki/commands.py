@@ -1,7 +1,5 @@
 """What a driver can tell the base: the sub-payloads of a command frame."""
 
-from __future__ import annotations
-
 import struct
 from dataclasses import dataclass
 from typing import ClassVar

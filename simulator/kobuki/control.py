@@ -1,7 +1,5 @@
 """Faults on demand: one-line commands, as `bumper left on`."""
 
-from __future__ import annotations
-
 import json
 import math
 from collections.abc import Callable

@@ -1,7 +1,5 @@
 """The wheels and the floor below them."""
 
-from __future__ import annotations
-
 import math
 import random
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """What the base tells: the sub-payloads of a feedback frame, and the payload they make."""
 
-from __future__ import annotations
-
 import struct
 from collections.abc import Sequence
 from typing import NamedTuple

@@ -1,7 +1,5 @@
 """The base's firmware as a function of bytes and time: no clock, no port."""
 
-from __future__ import annotations
-
 import math
 from collections import Counter
 from dataclasses import dataclass, field, replace

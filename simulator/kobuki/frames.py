@@ -1,7 +1,5 @@
 """Frames on the wire: AA 55, the payload's length, the payload, and the XOR of length and payload."""
 
-from __future__ import annotations
-
 from functools import reduce
 from operator import xor
 

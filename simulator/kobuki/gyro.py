@@ -1,7 +1,5 @@
 """The gyro: a heading since power-on, its rate, and the raw samples of its three axes."""
 
-from __future__ import annotations
-
 import math
 
 from cliffscan.simulator.kobuki.drive import Drive, Rates

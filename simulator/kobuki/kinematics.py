@@ -1,7 +1,5 @@
 """The base's measures: from a command to wheel speeds, from wheel travel to encoder ticks."""
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

@@ -1,7 +1,5 @@
 """The way from the base to the driver, and what can happen to bytes on it."""
 
-from __future__ import annotations
-
 import math
 import random
 

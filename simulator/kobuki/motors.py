@@ -1,7 +1,5 @@
 """From commands to the wheels: the firmware's dead time, and the motors that it may cut."""
 
-from __future__ import annotations
-
 from collections import deque
 
 from cliffscan.simulator.kobuki.drive import Drive

@@ -1,7 +1,5 @@
 """What is going on in a base, as JSON can tell it."""
 
-from __future__ import annotations
-
 from dataclasses import asdict
 
 from cliffscan.simulator.kobuki.base import Base

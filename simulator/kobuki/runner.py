@@ -1,11 +1,10 @@
 """A base at work on a port: its firmware, its cable and its control socket, coupled."""
 
-from __future__ import annotations
-
 import select
 import threading
 import time
 from collections.abc import Callable
+from typing import Self
 
 from cliffscan.simulator.kobuki import control
 from cliffscan.simulator.kobuki.base import Base
@@ -35,7 +34,7 @@ class Runner:
         self.server = server
         self._execute = execute or (lambda line: control.execute(base, line))
 
-    def __enter__(self) -> Runner:
+    def __enter__(self) -> Self:
         return self
 
     def __exit__(self, *_: object) -> None:

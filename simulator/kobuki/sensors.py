@@ -1,7 +1,5 @@
 """What the base's sensors report, beyond wheels and gyro. Anything may be set at any time; sensors saturate."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 
 BUMPER = {"right": 1, "centre": 2, "left": 4}

@@ -1,7 +1,5 @@
 """A Unix socket for one-line commands; each gets one line back. `watch` has everything told that the driver does."""
 
-from __future__ import annotations
-
 import contextlib
 import json
 import socket

@@ -1,7 +1,5 @@
 """Time in whole nanoseconds, so that no number of small steps ever loses or gains a packet."""
 
-from __future__ import annotations
-
 import math
 
 SECOND = 1_000_000_000  # [ns]

@@ -1,11 +1,9 @@
 """Versions of firmware and hardware, what they can do, and how they name themselves."""
 
-from __future__ import annotations
-
 import re
 import struct
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import NamedTuple, Self
 
 
 class Version(NamedTuple):
@@ -16,7 +14,7 @@ class Version(NamedTuple):
     patch: int
 
     @classmethod
-    def parse(cls, text: str) -> Version:
+    def parse(cls, text: str) -> Self:
         """Read `1.2.0`. Raises ValueError for anything else."""
         if not re.fullmatch(r"\d{1,3}\.\d{1,3}\.\d{1,3}", text) or max(parts := [*map(int, text.split("."))]) > 255:
             raise ValueError(f"{text!r} is no version: expected three numbers up to 255, as in 1.2.0")

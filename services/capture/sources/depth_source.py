@@ -1,7 +1,5 @@
 """What every source of depth frames has in common."""
 
-from __future__ import annotations
-
 from typing import NamedTuple, Protocol
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Tells a camera that repeats one picture, as a hung driver does, from one that sees: fresh stamps prove nothing."""
 
-from __future__ import annotations
-
 import math
 import time
 

@@ -1,7 +1,5 @@
 """Every source of depth frames, in one table: a row and its file are all that a further camera needs."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 

@@ -5,8 +5,6 @@ has handed every buffer back. And USB has to be served without a pause: the buff
 So one thread makes every call, and nobody waits for that thread without a limit.
 """
 
-from __future__ import annotations
-
 import ctypes
 import logging
 import threading
@@ -43,11 +41,6 @@ LEVELS = {
     libfreenect.LOG_INFO: logging.DEBUG,
 }
 log = logging.getLogger("kinect")
-
-
-def open_configured(config: CaptureConfig) -> Kinect:
-    """The Kinect that is configured. Raises SourceLost."""
-    return Kinect(config.kinect(), config.depth_mode, config.device)
 
 
 class Kinect:
@@ -130,6 +123,11 @@ class Kinect:
         with self._changed:
             self._newest, self._heard = (pixels, stamp), time.monotonic()
             self._changed.notify_all()
+
+
+def open_configured(config: CaptureConfig) -> Kinect:
+    """The Kinect that is configured. Raises SourceLost."""
+    return Kinect(config.kinect(), config.depth_mode, config.device)
 
 
 def disparity_table() -> Pixels:

@@ -3,8 +3,6 @@
 Source: libfreenect.h of version 0.5.3. Every function returns a negative number when it fails.
 """
 
-from __future__ import annotations
-
 import ctypes
 
 NAMES = ("libfreenect.so.0.5", "libfreenect.so.0", "libfreenect.so")  # as Debian, others and a local build call it

@@ -1,7 +1,5 @@
 """The source that the configuration names."""
 
-from __future__ import annotations
-
 from importlib import import_module
 
 from cliffscan.common.runtime.config import ConfigError

@@ -1,7 +1,5 @@
 """Depth frames from a folder: `camera.json` and one 16-bit PNG per frame, played in order of name."""
 
-from __future__ import annotations
-
 import time
 from pathlib import Path
 from typing import Annotated
@@ -59,11 +57,6 @@ class CameraFile(FrameOverride):
         return Camera(self.width, self.height, Intrinsics(*intrinsics), self.range, FloorPlane(*floor))
 
 
-def open_configured(config: CaptureConfig) -> Replay:
-    """The depth folder that is configured. Raises ConfigError."""
-    return Replay(Path(config.path), config.rate, config.loop)
-
-
 class Replay:
     """Plays a depth folder at `rate` [Hz], once or in a loop.
 
@@ -103,6 +96,11 @@ class Replay:
             return time.time_ns()
         lap = max(recorded.values()) - min(recorded.values()) + round(self._period * 1e9)
         return recorded[frame] + round_ * lap
+
+
+def open_configured(config: CaptureConfig) -> Replay:
+    """The depth folder that is configured. Raises ConfigError."""
+    return Replay(Path(config.path), config.rate, config.loop)
 
 
 def images_of(folder: Path) -> list[Path]:

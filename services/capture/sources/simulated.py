@@ -1,7 +1,5 @@
 """Depth frames of a simulated Kinect in one of the simulator's worlds."""
 
-from __future__ import annotations
-
 import time
 from dataclasses import replace
 

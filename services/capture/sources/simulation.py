@@ -1,7 +1,5 @@
 """Depth frames of a running simulation, `python -m simulator`; its wire is described in simulator/wire.py."""
 
-from __future__ import annotations
-
 import select
 import time
 

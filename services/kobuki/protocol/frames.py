@@ -3,8 +3,6 @@
 The length counts the payload's bytes, 0 to 255; the checksum is the XOR of length and payload. Source: Kobuki protocol.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 HEADER = b"\xaa\x55"

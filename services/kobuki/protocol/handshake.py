@@ -1,7 +1,5 @@
 """Getting to know the base: it reports its firmware before anything moves."""
 
-from __future__ import annotations
-
 import logging
 import math
 

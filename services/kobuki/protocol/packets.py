@@ -4,8 +4,6 @@ A sub-payload that cannot be read costs nothing but itself: it is listed and ski
 Source: Kobuki protocol.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterator
 from struct import Struct

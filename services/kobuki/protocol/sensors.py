@@ -4,10 +4,8 @@ Everything is in SI units but what has none: encoder ticks, motor PWM, the ADC c
 base's own clock, which counts 16 bits of milliseconds.
 """
 
-from __future__ import annotations
-
 from enum import CONFORM, IntEnum, IntFlag
-from typing import NamedTuple
+from typing import NamedTuple, Self
 
 GYRO_PERIOD = 10_000_000  # [ns] between two samples of the gyro
 VOLTS_PER_COUNT = 3.3 / 4095  # of every 12-bit ADC
@@ -73,7 +71,7 @@ class Charger(IntEnum):
     ADAPTER_CHARGING = 22
 
     @classmethod
-    def _missing_(cls, value: object) -> Charger:  # noqa: ARG003  (the protocol may grow)
+    def _missing_(cls, value: object) -> Self:  # noqa: ARG003  (the protocol may grow)
         return cls.UNKNOWN
 
     @property

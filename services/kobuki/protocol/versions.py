@@ -1,7 +1,5 @@
 """Which Kobukis this software can drive, and what to tell the owners of others. Source: Kobuki protocol, driver."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 
