@@ -6,6 +6,7 @@ import re
 import signal
 import subprocess
 import sys
+from pathlib import Path
 
 import psutil
 import pytest
@@ -14,6 +15,7 @@ from PIL import Image
 from tests import scenes
 
 SCANS = ["farthest_point", "virtual_floor", "paper", "near_edge"]
+TOP = Path(__file__).parents[2]
 PATIENCE = 150  # [s] for kernels that have never been compiled
 
 
@@ -33,6 +35,12 @@ def rows(file):
 
 def number(cell):
     return float(re.sub("[ %]", "", cell))
+
+
+def test_the_script_finds_the_experiments_from_any_folder(tmp_path):
+    done = subprocess.run([TOP / "demo", "--help"], cwd=tmp_path, capture_output=True, text=True, timeout=PATIENCE)
+    assert done.returncode == 0, done.stderr
+    assert "usage" in done.stdout
 
 
 @pytest.fixture
