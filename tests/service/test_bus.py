@@ -160,8 +160,14 @@ def test_what_is_kept_comes_to_those_who_come_later(client, bus):
     with Bus(Network("client", [client.endpoint]), client.robot) as later:
         later.receive_latched("base/cmd_vel", lambda _, payload: arrived.append(msgpack.unpackb(payload)["linear"]))
         wait_for(lambda: arrived)
-        bus.announce("kobuki")  # asks again
-        wait_for(lambda: len(arrived) > 1)
+
+        def asked_again():
+            """A question may go unanswered within its second on a busy machine; the next announcement asks again."""
+            bus.withdraw()
+            bus.announce("kobuki")
+            return len(arrived) > 1
+
+        wait_for(asked_again)
     assert set(arrived) == {0.5}
 
 
