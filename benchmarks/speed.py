@@ -24,7 +24,7 @@ from cliffscan.common.contract.camera import FloorPlane, scan_axes
 from cliffscan.common.contract.depth_codec import RAW
 from cliffscan.common.contract.messages import DepthImage
 from cliffscan.common.perception.combine import combine
-from cliffscan.common.perception.point_heights import point_heights
+from cliffscan.common.perception.floor_points import floor_points
 from cliffscan.services.capture.floor.tracker import FloorTracker
 from cliffscan.services.negative.config import NegativeConfig
 from cliffscan.services.negative.methods import METHODS
@@ -89,7 +89,7 @@ def moving(image: DepthImage) -> Callable[[], object]:
 
 def jobs(image: DepthImage) -> dict[str, Callable[[], object]]:
     """What is measured, by name."""
-    seen = point_heights(image.depth, image.camera, ALL.range_min, ALL.floor_band)
+    seen = floor_points(image.depth, image.camera, ALL.range_min, ALL.floor_band)
     tracker = FloorTracker(image.camera.floor)
     beams = list(beams_by_method(image, ALL, ALL.methods).values())
 
@@ -97,7 +97,7 @@ def jobs(image: DepthImage) -> dict[str, Callable[[], object]]:
         return lambda: perceive(image, Settings(config, POSITIVE))
 
     return {
-        "heights and distances": lambda: point_heights(image.depth, image.camera, ALL.range_min, ALL.floor_band),
+        "heights and distances": lambda: floor_points(image.depth, image.camera, ALL.range_min, ALL.floor_band),
         **{method: partial(METHODS[method].find, seen, ALL) for method in ALL.methods},
         "positive, all of it": lambda: positive_scan(image, POSITIVE),
         "combine three": lambda: combine(beams),

@@ -9,12 +9,12 @@ from functools import cache
 from itertools import pairwise
 
 import numpy as np
+from cliffscan.services.negative.column_edges import AGREE, NARROWEST, SIDE
 
 from cliffscan.common.contract.beam_grid import Grid
 from cliffscan.common.contract.camera import Camera
+from cliffscan.common.perception.floor_points import FloorPoints
 from cliffscan.common.perception.image_region import ImageRegion
-from cliffscan.common.perception.point_heights import PointHeights
-from cliffscan.services.negative.column_edges import AGREE, NARROWEST, SIDE
 from cliffscan.services.negative.floor_following import End, FloorCriteria
 from cliffscan.services.negative.methods.near_edge import APART
 from tests import naive_trace
@@ -117,7 +117,7 @@ def combine(array_a: np.ndarray, array_b: np.ndarray) -> np.ndarray:
 
 
 def near_edge(
-    points: PointHeights, grid: Grid, criteria: FloorCriteria, floor_lost: str, baseline: float
+    points: FloorPoints, grid: Grid, criteria: FloorCriteria, floor_lost: str, baseline: float
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Ours: each column is followed over the floor, to where it ends. The beams' ranges, evidence and clear."""
     region, height = points.region, np.float32(points.region.camera.floor.d)

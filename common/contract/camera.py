@@ -7,7 +7,7 @@ x the optical axis projected on the floor, y left, z up; azimuths run counter-cl
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -17,15 +17,20 @@ from cliffscan.common.contract.limits import (
     DEEPEST,
     FARTHEST_REACH,
     HIGHEST_CAMERA,
+    LEAST_NOISE,
     LOWEST_CAMERA,
+    MOST_NOISE,
     MOST_PIXELS,
     MOST_SIDE,
     NEAREST_REACH,
+    WIDEST_BASELINE,
 )
 
 Floats = NDArray[np.float64]
 Floating = NDArray[np.floating[Any]]  # of either precision
 
+KINECT_NOISE = 1.65e-3  # [1/m] 1.425e-3 of noise with the rounding to steps of 2.85e-3
+KINECT_BASELINE = 0.075  # [m] between its camera and its projector
 STEEPEST_AXIS = math.cos(math.radians(3.0))  # an optical axis nearer the vertical has no heading on the floor
 
 
@@ -60,11 +65,27 @@ class FloorPlane(NamedTuple):
         return self.d, math.atan2(-self.nz, math.hypot(self.nx, self.ny)), math.atan2(-self.nx, -self.ny)
 
 
+class Region(NamedTuple):
+    """The pixels that can carry a return at all: from the first column and row up to and with the last."""
+
+    first_column: int
+    first_row: int
+    last_column: int
+    last_row: int
+
+    @classmethod
+    def whole(cls, width: int, height: int) -> Region:
+        """All pixels of an image."""
+        return cls(0, 0, width - 1, height - 1)
+
+
 @dataclass(frozen=True)
 class Camera:
     """All that a depth image's pixels need to become points: the sensor and its place over the floor.
 
-    range: (min, max) [m] along the optical axis; a depth outside it is no measurement.
+    range: (min, max) [m] along the optical axis; a depth outside it is no measurement. noise [1/m]: standard deviation
+    of the inverse depth, steps included; baseline [m]: between the sensor's two eyes, or its eye and its projector;
+    seen: the pixels that can carry a return, None = all.
     """
 
     width: int
@@ -72,6 +93,21 @@ class Camera:
     intrinsics: Intrinsics
     range: tuple[float, float]
     floor: FloorPlane
+    noise: float = KINECT_NOISE
+    baseline: float = KINECT_BASELINE
+    seen: Region | None = None
+
+    @property
+    def region(self) -> Region:
+        """The pixels that can carry a return."""
+        return self.seen or Region.whole(self.width, self.height)
+
+    def cropped(self, region: Region) -> Camera:
+        """The camera of a part of the image: its pixels are counted from the region's first."""
+        left, top, right, bottom = region
+        fx, fy, cx, cy = self.intrinsics
+        shifted = Intrinsics(fx, fy, cx - left, cy - top)
+        return replace(self, width=right + 1 - left, height=bottom + 1 - top, intrinsics=shifted, seen=None)
 
 
 def axes(floor: FloorPlane) -> tuple[Floats, Floats, Floats]:
@@ -132,6 +168,14 @@ def check_camera(camera: Camera) -> None:
             raise ValueError(f"intrinsics: f{name} of {focal} px is impossible for {size} pixels")
         if not -size <= centre <= 2 * size:
             raise ValueError(f"intrinsics: c{name} of {centre} px is impossible for {size} pixels")
+    left, top, right, bottom = camera.region
+    if not (0 <= left < right < camera.width and 0 <= top < bottom < camera.height):
+        told = f"{list(camera.region)}, expected first column, first row, last column, last row"
+        raise ValueError(f"region: {told} of an image of {camera.width}x{camera.height}")
+    if not LEAST_NOISE <= camera.noise <= MOST_NOISE:
+        raise ValueError(f"noise: {camera.noise} is impossible, expected {LEAST_NOISE} to {MOST_NOISE} [1/m]")
+    if not 0.0 <= camera.baseline <= WIDEST_BASELINE:
+        raise ValueError(f"baseline: {camera.baseline} is impossible, expected 0 to {WIDEST_BASELINE} [m]")
     near, far = camera.range
     if not (0.0 <= near < far and near < DEEPEST and NEAREST_REACH <= far <= FARTHEST_REACH):
         raise ValueError(f"range: [{near}, {far}] m is impossible; is it in millimetres? Give metres")

@@ -6,7 +6,7 @@ import numpy as np
 from pydantic import Field
 
 from cliffscan.common.contract import limits
-from cliffscan.common.contract.camera import Camera, reach
+from cliffscan.common.contract.camera import KINECT_BASELINE, KINECT_NOISE, Camera, reach
 from cliffscan.common.contract.floor_view import floor_in_view, straight_ahead
 from cliffscan.common.contract.message import ListAsTuple, Message, Part, Stamp
 
@@ -16,9 +16,6 @@ Angle = Annotated[float, limits.HEADING]
 Pair = Annotated[tuple[float, float], ListAsTuple]
 Point = Annotated[tuple[Coordinate, Coordinate], ListAsTuple]
 Polygon = Annotated[tuple[Point, ...], ListAsTuple, Field(max_length=16)]  # convex
-
-KINECT_NOISE = 1.65e-3  # [1/m] 1.425e-3 of noise with the rounding to steps of 2.85e-3
-KINECT_BASELINE = 0.075  # [m] between its camera and its projector
 
 
 class Place(NamedTuple):
@@ -57,8 +54,6 @@ class CameraDescription(Part):
         frame: str,
         simulated: bool,
         place: Place = TURTLEBOT_2,
-        noise: float = KINECT_NOISE,
-        baseline: float = KINECT_BASELINE,
     ) -> Self:
         """The description of a possible camera over an endless floor without anything on it.
 
@@ -77,8 +72,8 @@ class CameraDescription(Part):
             height=height,
             pitch=pitch,
             roll=roll,
-            noise=noise,
-            baseline=baseline,
+            noise=camera.noise,
+            baseline=camera.baseline,
             visible_floor=tuple((float(x), float(y)) for x, y in corners),
             nearest_floor=max(float((camera.floor.d * ahead[:, 0] / -ahead[:, 2]).min(initial=farthest)), 0.0),
             farthest=farthest,

@@ -16,12 +16,14 @@ ROUNDING = 1e-9  # of a direction
 
 
 def floor_in_view(camera: Camera) -> Floats:
-    """The rays of a camera, out to its outermost pixels' centres, that meet the floor ahead and within its range.
+    """The rays of a camera that meet the floor ahead and within its range.
 
-    Floor behind the point below the camera, which one that looks steeply down sees, is left out. (0, 3) where there is
-    none; the azimuths and distances of the floor in view are at their extremes at the polygon's corners.
+    They reach out to the centres of the outermost pixels that can carry a return. Floor behind the point below the
+    camera, which one that looks steeply down sees, is left out. (0, 3) where there is none; the azimuths and distances
+    of the floor in view are at their extremes at the polygon's corners.
     """
-    corners = (Affine(axis.columns[[0, -1]], axis.rows[[0, -1]]).table() for axis in scan_axes(camera))
+    part = scan_axes(camera.cropped(camera.region))
+    corners = (Affine(axis.columns[[0, -1]], axis.rows[[0, -1]]).table() for axis in part)
     rays = np.stack([corner.ravel()[[0, 1, 3, 2]] for corner in corners], axis=1)
     near, far = camera.range
     rays = cut(rays, FORWARD, 0.0)

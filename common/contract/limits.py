@@ -24,6 +24,8 @@ LARGEST = max(PAYLOAD.values())
 
 NEAREST_REACH, FARTHEST_REACH = 0.001, 1000.0  # [m] of a depth camera
 DEEPEST = 65.535  # [m] that 16 bits of millimetres can tell
+LEAST_NOISE, MOST_NOISE = 1e-5, 0.1  # [1/m] of inverse depth
+WIDEST_BASELINE = 1.0  # [m] between a sensor's two eyes
 LOWEST_CAMERA, HIGHEST_CAMERA = 0.001, 20.0  # [m] above the floor
 FINEST_INCREMENT = 1e-6  # [rad] between two beams
 LONGEST_NAME = 256  # characters

@@ -12,7 +12,15 @@ from pydantic import Field, PrivateAttr, model_validator
 from cliffscan.common.contract import depth_codec, limits
 from cliffscan.common.contract.beam_fields import Beams, check_beams
 from cliffscan.common.contract.beam_grid import Grid
-from cliffscan.common.contract.camera import Camera, FloorPlane, Intrinsics, check_camera
+from cliffscan.common.contract.camera import (
+    KINECT_BASELINE,
+    KINECT_NOISE,
+    Camera,
+    FloorPlane,
+    Intrinsics,
+    Region,
+    check_camera,
+)
 from cliffscan.common.contract.message import ListAsTuple, Message, Stamp, UInt64
 
 Side = Annotated[int, Field(ge=2, le=limits.MOST_SIDE)]  # [px]
@@ -20,6 +28,7 @@ Name = Annotated[str, limits.NAME]
 Seconds = Annotated[float, limits.SECONDS]
 Vector2 = Annotated[tuple[float, float], ListAsTuple]
 Vector4 = Annotated[tuple[float, float, float, float], ListAsTuple]
+Columns4 = Annotated[tuple[int, int, int, int] | None, ListAsTuple]
 
 State = Literal["starting", "working", "waiting"]  # waiting: for a device
 
@@ -40,13 +49,23 @@ class DepthImage(Message):
     intrinsics: Vector4  # fx, fy, cx, cy [px]
     range: Vector2  # [m] along the optical axis
     floor: Vector4  # nx, ny, nz, d [m] in the optical frame
+    noise: float = KINECT_NOISE  # [1/m] standard deviation of the inverse depth, steps included
+    baseline: float = KINECT_BASELINE  # [m] between the sensor's two eyes
+    region: Columns4 = None  # first column, first row, last column, last row that can carry a return; None = all
     _depth: NDArray[np.uint16] = PrivateAttr()
     _camera: Camera = PrivateAttr()
 
     @model_validator(mode="after")
     def _unpack(self) -> Self:
         self._camera = Camera(
-            self.width, self.height, Intrinsics(*self.intrinsics), self.range, FloorPlane(*self.floor)
+            self.width,
+            self.height,
+            Intrinsics(*self.intrinsics),
+            self.range,
+            FloorPlane(*self.floor),
+            self.noise,
+            self.baseline,
+            Region(*self.region) if self.region else None,
         )
         check_camera(self._camera)
         self._depth = depth_codec.decode(self.data, self.encoding, self.width, self.height)
@@ -66,6 +85,9 @@ class DepthImage(Message):
             intrinsics=camera.intrinsics,
             range=camera.range,
             floor=camera.floor,
+            noise=camera.noise,
+            baseline=camera.baseline,
+            region=camera.region,
         )
         image._depth, image._camera = depth, camera
         return image

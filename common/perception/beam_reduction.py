@@ -47,11 +47,12 @@ class BeamReduction(NamedTuple):
 @lru_cache(maxsize=8)
 def beam_reduction(region: ImageRegion, grid: Grid) -> BeamReduction:
     """What the beams of `grid` see of a region."""
-    edges = _lines(region, np.clip(grid.edges(), -ABREAST, ABREAST))  # equation (2) rounds to the beam between two
-    return BeamReduction(*_stretches(*edges, *_lines(region, grid.angles()), *region.shape), grid.beams)
+    between = np.clip(grid.edges(), -ABREAST, ABREAST)  # equation (2) rounds to the beam between two
+    edges = azimuth_lines(region, between)
+    return BeamReduction(*_stretches(*edges, *azimuth_lines(region, grid.angles()), *region.shape), grid.beams)
 
 
-def _lines(region: ImageRegion, azimuths: Floats) -> tuple[Floats, Floats]:
+def azimuth_lines(region: ImageRegion, azimuths: Floats) -> tuple[Floats, Floats]:
     """The column at which a line of constant azimuth [rad] crosses row 0, and how much it moves with each row.
 
     Seen from above, a ray has azimuth a, equation (1), where left·cos a - forward·sin a is 0: affine in (u, v).

@@ -1,7 +1,7 @@
-r"""Following the floor outward in all columns of the image at once; its slow twin is tests/naive_trace.py.
+r"""Following the floor outward along all lines of the image at once; its slow twin is tests/naive_trace.py.
 
-A column's rows are looked at from near to far. `level` is how high the floor was where it was seen last. What a row
-shows is floor, or lies below or above what floor can be there, or is missing. A column is GOING until one row ends it:
+A line's rows are looked at from near to far. `level` is how high the floor was where it was seen last. What a row
+shows is floor, or lies below or above what floor can be there, or is missing. A line is GOING until one row ends it:
 
    camera
      o
@@ -15,7 +15,7 @@ _____|_____\__________` .              ________
      row by row ---->           _______|
                                 ________  ? ? ?    no return over criteria.gap         NO_RETURN
 
-Floor that begins late or at a strange height, or goes on beyond a gap, may be another floor: the column is followed on,
+Floor that begins late or at a strange height, or goes on beyond a gap, may be another floor: the line is followed on,
 but its floor is sure up to sure_row alone.
 """
 
@@ -26,18 +26,16 @@ from typing import Generic, NamedTuple, TypeVar
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
-from cliffscan.common.contract.camera import Affine
-from cliffscan.common.perception.point_heights import Metres
+from cliffscan.common.perception.floor_points import Metres
+from cliffscan.services.negative.beam_lines import BeamLines, Rows
 
-Rows = NDArray[np.int32]
 N = TypeVar("N", float, np.float32)
 f32 = np.float32
 
 
 class End(IntEnum):
-    """Why a column's floor was followed no farther."""
+    """Why a line's floor was followed no farther."""
 
     GOING = -1  # it still is
     REACHED_RANGE = 0  # the floor goes on to where the sensor sees none
@@ -83,8 +81,8 @@ NO_RETURN_ROWS = f32(4.0)  # rows without floor that are chance
 NO_RETURN_ROUGHNESS = f32(4.0)  # noises; a floor rougher than that may return nothing
 # Unverified, and doubtful
 RECENT_ROWS = f32(4.0)  # rows ago that floor must have been seen where it leaves the sensor's range
-SKIPPED_ROWS, SKIPPED_LENGTH = f32(4.0), f32(0.05)  # rows and [m] without floor beyond which it may be another
-LATE_DEPTH = f32(0.05)  # [m] beyond the nearest depth of floor; first seen farther, it may be another
+SKIPPED_ROWS, SKIPPED_LENGTH = f32(4.0), f32(0.05)  # rows and [m] without floor beyond which, or beyond the nearest
+# that a line can show, it may be another
 STRANGE_HEIGHT = f32(0.045)  # [m] above or below the plane; first seen there, it may be another
 # The floor as it goes on
 LEVEL_GAIN = f32(0.5)  # of a new height in the floor's level
@@ -115,14 +113,14 @@ def fill_speckle(heights: Metres, row: int, step: np.float32, filled: Metres) ->
 
 
 @njit(cache=True, error_model="numpy")
-def row_allowances(
-    middle_rate: np.float32, camera_height: np.float32, criteria: FloorCriteria[np.float32]
+def allowances(
+    fall: np.float32, camera_height: np.float32, criteria: FloorCriteria[np.float32]
 ) -> tuple[np.float32, np.float32, np.float32]:
-    """What a hole shows of its far side at least [m], and how far floor falls and rises per metre along a row.
+    """What a hole shows of its far side at least [m], and how far floor falls and rises per metre of depth.
 
-    middle_rate: what the middle column's ray loses in height per metre of depth; it stands for the whole row.
+    fall: what the ray there loses in height per metre of depth.
     """
-    steep = max(middle_rate, criteria.grazing)
+    steep = max(fall, criteria.grazing)
     shown = min(HOLE_SHARE * HOLE_LENGTH * camera_height / (camera_height / steep + HOLE_LENGTH), criteria.step)
     fallable = min(criteria.slope, steep - criteria.grazing)
     falls = fallable * steep / (steep - fallable)
@@ -130,59 +128,69 @@ def row_allowances(
 
 
 @njit(cache=True, error_model="numpy")
+def latest_depth(fall: np.float32, camera_height: np.float32, spread: np.float32, grazing: np.float32) -> np.float32:
+    """Depth [m] by which a line must show floor, lest it be another: of its own nearest, and a little.
+
+    fall: as in `allowances`, in its nearest row; spread [1/m]: metres of depth from row to row, per square metre of it.
+    """
+    nearest = camera_height / max(fall, grazing)
+    return nearest + max(SKIPPED_LENGTH, SKIPPED_ROWS * nearest * nearest * spread)
+
+
+@njit(cache=True, error_model="numpy")
 def floor_trace(
     heights: Metres,
     order: Rows,
-    rates: Affine,
+    lines: BeamLines,
+    first: Metres,
+    last: Metres,
     camera_height: np.float32,
     criteria: FloorCriteria[np.float32],
 ) -> tuple[Metres, Metres, Metres, Metres, Metres]:
-    """What became of the floor in each column: its End, and two rows with the floor's height [m] there; all (columns,).
+    """What became of the floor along each line: its End, and two rows with the floor's height [m] there; all (lines,).
 
     The first row is where floor was last seen or, of a drop before any floor, the first that was looked at; the second
     is up to where floor was seen without a gap or a doubt; -1 = nowhere.
-    heights: (rows, columns) [m] as PointHeights has them; order: the rows to look at, near to far; rates: what a ray
-    loses in height per metre of depth, float32; camera_height [m]; criteria: in single precision.
+    heights, order, lines, first, last: as heights_along has them; camera_height [m]; criteria: in single precision.
     """
     near, far, noise, grazing, step = criteria.near, criteria.far, criteria.noise, criteria.grazing, criteria.step
-    columns = heights.shape[1]
-    filled = np.empty(columns, np.float32)
-    # the state of each column
-    end = np.full(columns, GOING)
-    floor_row, sure_row = np.full(columns, NOWHERE), np.full(columns, NOWHERE)  # they differ once floor is doubtful
-    level, sure_level = np.zeros(columns, np.float32), np.zeros(columns, np.float32)  # [m] of the floor at these rows
-    incline = np.zeros(columns, np.float32)  # rise per metre
-    roughness = np.full(columns, noise)  # [1/m] of inverse depth, as noise
-    rows_below, rows_deep = np.zeros(columns, np.float32), np.zeros(columns, np.float32)  # since floor was seen
-    rows_above = np.zeros(columns, np.float32)
-    outward = ONE if rates.rows[0] < rates.rows[1] else -ONE
-    spread = abs(rates.rows[1] - rates.rows[0]) / camera_height
+    many = heights.shape[1]
+    filled = np.empty(many, np.float32)
+    # the state of each line
+    end = np.full(many, GOING)
+    floor_row, sure_row = np.full(many, NOWHERE), np.full(many, NOWHERE)  # they differ once floor is doubtful
+    level, sure_level = np.zeros(many, np.float32), np.zeros(many, np.float32)  # [m] of the floor at these rows
+    incline = np.zeros(many, np.float32)  # rise per metre
+    roughness = np.full(many, noise)  # [1/m] of inverse depth, as noise
+    rows_below, rows_deep = np.zeros(many, np.float32), np.zeros(many, np.float32)  # since floor was seen
+    rows_above = np.zeros(many, np.float32)
+    outward = ONE if order[0] > order[-1] else -ONE  # how many rows nearer is the row of the next higher number
+    spread, latest = np.empty(many, np.float32), np.empty(many, np.float32)
+    for u in range(many):
+        spread[u] = abs(lines.fall_step[u]) / camera_height
+        latest[u] = latest_depth(lines.fall[u] + first[u] * lines.fall_step[u], camera_height, spread[u], grazing)
     per_deviation = ONE / (camera_height * camera_height)
-    middle = rates.columns[columns // 2]
-    latest = max(near, camera_height / max(middle + rates.rows[order[0]], grazing)) + LATE_DEPTH
     at = ZERO
     for index in range(len(order)):
-        row = order[index]
-        rate_row = rates.rows[row]
-        shown, falls, rises = row_allowances(middle + rate_row, camera_height, criteria)
-        fill_speckle(heights, row, step, filled)
-        at = np.float32(row)
-        for u in range(columns):
+        at = np.float32(order[index])
+        fill_speckle(heights, index, step, filled)
+        for u in range(many):
             height, ended, last_row, last_sure = filled[u], end[u], floor_row[u], sure_row[u]
             last_level, last_incline, last_rough = level[u], incline[u], roughness[u]
             below, deep, above = rows_below[u], rows_deep[u], rows_above[u]
-            active, started, missing = ended < ZERO, last_row >= ZERO, height != height
+            begun = (first[u] - at) * outward >= ZERO
+            active, started, missing = (ended < ZERO) & begun, last_row >= ZERO, height != height
             doubtful = last_sure != last_row
 
             # where the floor would be seen, and how far that is from where it last was
-            rate = rates.columns[u] + rate_row
+            rate = lines.fall[u] + at * lines.fall_step[u]
+            shown, falls, rises = allowances(rate, camera_height, criteria)
             depth = (camera_height - last_level) / rate
             rows_since = (last_row - at) * outward if started else ONE
-            since = rows_since * depth * depth * spread
+            since = rows_since * depth * depth * spread[u]
             falling = last_incline if last_incline < ZERO else ZERO
-            in_range = (
-                (rate > ZERO) & (depth <= far) & (rate >= grazing) & ((not missing) | (rate + falling >= grazing))
-            )
+            in_range = (rate > ZERO) & (depth <= far) & (rate >= grazing) & ((at - last[u]) * outward >= ZERO)
+            in_range = in_range & ((not missing) | (rate + falling >= grazing))
             looking = active & in_range & (depth >= near)
 
             # how far it may have risen or fallen since, and how far noise takes a height
@@ -209,7 +217,7 @@ def floor_trace(
             gap = started & (rows_since > NO_RETURN_ROWS) & (since > criteria.gap)
             gap = gap & (last_rough < NO_RETURN_ROUGHNESS * noise)
 
-            # why the column ends, if it does
+            # why the line ends, if it does
             drop = (is_below & (deep >= DEEP_ROWS)) | (settled & (fall > step)) | (is_floor & was_below & started)
             occluded = is_above & (above >= OBSTACLE_ROWS)
             unverified = (not started) | doubtful | (rows_since > RECENT_ROWS)
@@ -221,7 +229,7 @@ def floor_trace(
             # and how the floor goes on, if not
             take = (is_floor | step_down) & (not drop)
             smooth = is_floor & take
-            strange = (depth > latest) | (height > STRANGE_HEIGHT) | (height < -STRANGE_HEIGHT) | (below > ZERO)
+            strange = (depth > latest[u]) | (height > STRANGE_HEIGHT) | (height < -STRANGE_HEIGHT) | (below > ZERO)
             skipped = (rows_since > SKIPPED_ROWS) & (since > SKIPPED_LENGTH)
             sure = take & (not doubtful) & (not (skipped if started else strange))
             away = fall if fall > ZERO else -fall
@@ -247,27 +255,16 @@ def floor_trace(
             rows_below[u], rows_deep[u] = ZERO if take else below, ZERO if take else deep
             rows_above[u] = ZERO if take else above
         going = 0
-        for u in range(columns):
+        for u in range(many):
             going += 1 if end[u] < ZERO else 0
         if going == 0:
             break
-    for u in range(columns):
+    for u in range(many):
         if end[u] == GOING:
             recent = floor_row[u] >= ZERO and (floor_row[u] - at) * outward <= RECENT_ROWS
             end[u] = REACHED_RANGE if recent and sure_row[u] == floor_row[u] else UNVERIFIED
         if sure_row[u] == floor_row[u]:
             sure_level[u] = level[u]
         if end[u] == DROP and floor_row[u] == NOWHERE:
-            floor_row[u] = first_row(order, rates.columns[u], rates.rows, camera_height, near)
+            floor_row[u] = first[u]
     return end, floor_row, level, sure_row, sure_level
-
-
-@njit(cache=True, error_model="numpy")
-def first_row(
-    order: Rows, rate: np.float32, row_rates: Metres, camera_height: np.float32, near: np.float32
-) -> np.float32:
-    """The first row at which the sensor measures floor of the plane; -1 where there is none. rate: of the column."""
-    for row in order:
-        if camera_height / (rate + row_rates[row]) >= near:
-            return np.float32(row)
-    return NOWHERE

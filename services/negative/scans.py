@@ -8,7 +8,7 @@ from typing import NamedTuple
 from cliffscan.common.contract.beam_fields import Beams
 from cliffscan.common.contract.messages import DepthImage, LaserScan
 from cliffscan.common.perception.combine import combine, within
-from cliffscan.common.perception.point_heights import point_heights
+from cliffscan.common.perception.floor_points import floor_points
 from cliffscan.common.perception.scans import laser_scan
 from cliffscan.services.negative.config import NegativeConfig
 from cliffscan.services.negative.methods import METHODS
@@ -31,6 +31,6 @@ def negative_scans(image: DepthImage, config: NegativeConfig, methods: Collectio
 
 def beams_by_method(image: DepthImage, config: NegativeConfig, methods: Iterable[str]) -> dict[str, Beams]:
     """What each of these methods finds in `image`."""
-    points = point_heights(image.depth, image.camera, config.range_min, lower_than=config.floor_band)
+    points = floor_points(image.depth, image.camera, config.range_min, lower_than=config.floor_band)
     reach = config.reach(image.camera)
     return {name: within(METHODS[name].find(points, config), reach) for name in methods}

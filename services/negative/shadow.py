@@ -1,13 +1,14 @@
 """Shadow: where a sensor with two eyes, or an eye and a projector, has no data beside something near."""
 
-from __future__ import annotations
-
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
 from cliffscan.common.contract.camera import Affine
-from cliffscan.common.perception.point_heights import Metres
+from cliffscan.common.perception.floor_points import METRES
+from cliffscan.common.perception.image_region import Millimetres
+
+Pixels = NDArray[np.int64]
 
 SLACK = 2.0  # columns by which its border is uncertain
 BESIDE = 3  # columns next to the trace that its border may cross between two rows
@@ -17,43 +18,48 @@ SEEN = 0.3  # share of floor returns between an obstacle and the trace that is t
 
 @njit(cache=True, error_model="numpy")
 def shadowed(
-    heights: Metres,
-    rates: Affine,
-    camera_height: np.float32,
-    columns: NDArray[np.int64],
-    rows: NDArray[np.int64],
-    outward: int,
+    depth: Millimetres,
+    near: int,
+    far: int,
+    up: Affine,
+    camera_height: float,
+    last: Pixels,
+    beyond: Pixels,
     disparity: float,
-    near: float,
 ) -> NDArray[np.bool_]:
-    """Whether a shadow explains that a column's floor, last seen at that row, is lost beyond: (n,) for n columns.
+    """Whether a shadow explains that floor, last seen at one pixel, is lost at another beyond: (n,).
 
-    The sensor's two eyes are disparity [m px] apart: something z [m] away hides the floor at z' from one of them over
-    disparity (1/z - 1/z') columns; nothing is nearer than near [m]. Nothing else lies between it and the trace, in the
-    row before the floor was lost as well. The arrays are those of floor_trace; outward: 1 or -1, the step to the next
-    row.
+    The sensor's two eyes are disparity [m px] apart along its image's rows: something z [m] away hides the floor at z'
+    from one of them over disparity (1/z - 1/z') columns. Nothing else lies between it and the trace, in the row where
+    floor was last seen as well.
+    depth: (rows, columns) [mm] as the sensor sends it, near to far of it usable; up: of all its pixels; last, beyond:
+    (n, 2), row and column of each.
     """
-    explained = np.zeros(len(columns), np.bool_)
-    widest = int(disparity / near + SLACK) + 1
-    for index in range(len(columns)):
-        column, last = columns[index], rows[index]
-        row = last + 2 * outward
-        if row < 0 or row >= heights.shape[0]:
+    rows, columns = depth.shape
+    explained = np.zeros(len(last), np.bool_)
+    widest = int(disparity / (METRES * near) + SLACK) + 1
+    for index in range(len(last)):
+        row, column = beyond[index]
+        if not (0 <= row < rows and 0 <= column < columns):
             continue
-        floor = (rates.columns[column] + rates.rows[row]) / camera_height
+        row_before, shift = last[index, 0], last[index, 1] - column
+        floor = -(up.columns[column] + up.rows[row]) / camera_height
         for side in (-1, 1):
             beside = column + side
-            end = min(max(beside + side * widest, -1), heights.shape[1])
-            while beside != end and np.isnan(heights[row, beside]):
+            end = min(max(beside + side * widest, -1), columns)
+            while beside != end and not near <= depth[row, beside] <= far:
                 beside += side
-            if beside == end or heights[row, beside] < STANDING:
+            if beside == end:
                 continue
-            depth = (camera_height - heights[row, beside]) / (rates.columns[beside] + rates.rows[row])
-            if abs(beside - column) > disparity * (1.0 / depth - floor) + SLACK:
+            metres = METRES * depth[row, beside]
+            if metres * (up.columns[beside] + up.rows[row]) + camera_height < STANDING:
+                continue
+            if abs(beside - column) > disparity * (1.0 / metres - floor) + SLACK:
                 continue
             returns = 0
-            for between in range(beside + side * -1, column + side * BESIDE, -side):
-                returns += not np.isnan(heights[last, between])
+            for between in range(beside - side, column + side * BESIDE, -side):
+                at = between + shift
+                returns += 0 <= at < columns and near <= depth[row_before, at] <= far
             if returns <= SEEN * max(abs(beside - column) - BESIDE, 0):
                 explained[index] = True
     return explained

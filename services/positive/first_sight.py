@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from cliffscan.common.perception.point_heights import Metres
+from cliffscan.common.perception.floor_points import Metres
 
 BASE = np.float32(1 / 3)  # of the distance, over which a ramp shows that it goes on rising
 UNEVEN = np.float32(0.004)  # [m] that its points may be off
@@ -22,7 +22,7 @@ def first_floor(
 ) -> tuple[Metres, Metres]:
     """How high [m] the floor is where each column first sees it, and how far away [m] that is: (columns,) each.
 
-    heights, distances [m]: (rows, columns) as PointHeights has them; outward: 1 where rows lead away from the robot, or
+    heights, distances [m]: (rows, columns) as FloorPoints has them; outward: 1 where rows lead away from the robot, or
     -1; slope: rise per metre of the steepest floor. 0 m high where no ramp comes into view, and where it is so low that
     it lies in half of floor_band [m] above the plane.
     """

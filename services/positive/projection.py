@@ -12,7 +12,7 @@ from numba import njit
 from cliffscan.common.contract.beam_fields import Ranges
 from cliffscan.common.contract.beam_grid import Grid
 from cliffscan.common.perception.beam_reduction import LOOKED, NOTHING, Indices, beam_reduction, min_per_beam
-from cliffscan.common.perception.point_heights import Metres, PointHeights
+from cliffscan.common.perception.floor_points import FloorPoints, Metres
 from cliffscan.services.positive.first_sight import first_floor
 
 ACROSS = np.float32(0.2)  # [m] of unseen floor over which it may rise
@@ -20,7 +20,7 @@ CLOSE = np.float32(0.02)  # [m] above a ramp, from where on a point is no longer
 ZERO = np.float32(0.0)
 
 
-def projection(points: PointHeights, grid: Grid, floor_band: float, robot_height: float, slope: float) -> Ranges:
+def projection(points: FloorPoints, grid: Grid, floor_band: float, robot_height: float, slope: float) -> Ranges:
     """Range [m] of the nearest point above the floor and not above the robot, in each beam: (beams,).
 
     floor_band [m] above the floor that was followed is floor; slope: rise per metre of the steepest one, 0 for the flat

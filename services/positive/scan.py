@@ -5,7 +5,7 @@ from __future__ import annotations
 from cliffscan.common.contract.evidence import Evidence
 from cliffscan.common.contract.messages import DepthImage, LaserScan
 from cliffscan.common.perception.combine import beams_with, within
-from cliffscan.common.perception.point_heights import point_heights
+from cliffscan.common.perception.floor_points import floor_points
 from cliffscan.common.perception.scans import laser_scan
 from cliffscan.services.positive.config import PositiveConfig
 from cliffscan.services.positive.projection import projection
@@ -13,6 +13,6 @@ from cliffscan.services.positive.projection import projection
 
 def positive_scan(image: DepthImage, config: PositiveConfig) -> LaserScan:
     """The nearest obstacle in each beam."""
-    seen = point_heights(image.depth, image.camera, config.range_min, lower_than=config.robot_height)
+    seen = floor_points(image.depth, image.camera, config.range_min, lower_than=config.robot_height)
     ranges = projection(seen, config.grid(), config.floor_band, config.robot_height, config.slope)
     return laser_scan(image, within(beams_with(ranges, Evidence.POSITIVE), config.reach(image.camera)), config)

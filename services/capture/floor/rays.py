@@ -13,8 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from cliffscan.common.contract.camera import Camera, FloorPlane, axes
-from cliffscan.common.contract.description import KINECT_NOISE
+from cliffscan.common.contract.camera import KINECT_NOISE, Camera, FloorPlane, axes
 
 Floats = NDArray[np.float64]
 Singles = NDArray[np.float32]

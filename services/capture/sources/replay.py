@@ -9,7 +9,15 @@ from numpy.typing import NDArray
 from PIL import Image
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
-from cliffscan.common.contract.camera import Camera, FloorPlane, Intrinsics, check_camera
+from cliffscan.common.contract.camera import (
+    KINECT_BASELINE,
+    KINECT_NOISE,
+    Camera,
+    FloorPlane,
+    Intrinsics,
+    Region,
+    check_camera,
+)
 from cliffscan.common.contract.message import Stamp, explain
 from cliffscan.common.runtime.config import ConfigError
 from cliffscan.services.capture.config import CaptureConfig
@@ -37,6 +45,9 @@ class CameraFile(FrameOverride):
     height: int
     intrinsics: Four
     range: tuple[float, float]  # [m]
+    noise: float = KINECT_NOISE  # [1/m] of the inverse depth
+    baseline: float = KINECT_BASELINE  # [m]
+    region: tuple[int, int, int, int] | None = None  # that can carry a return
     frames: Annotated[dict[str, FrameOverride], Field(default_factory=dict)]
 
     def camera_of(self, frame: str) -> Camera:
@@ -54,7 +65,16 @@ class CameraFile(FrameOverride):
 
     def camera(self, intrinsics: Four, floor: Four) -> Camera:
         """A camera of this folder with these intrinsics and floor, possible or not."""
-        return Camera(self.width, self.height, Intrinsics(*intrinsics), self.range, FloorPlane(*floor))
+        return Camera(
+            self.width,
+            self.height,
+            Intrinsics(*intrinsics),
+            self.range,
+            FloorPlane(*floor),
+            self.noise,
+            self.baseline,
+            self.region and Region(*self.region),
+        )
 
 
 class Replay:

@@ -10,18 +10,18 @@ from cliffscan.common.contract.beam_grid import Grid
 from cliffscan.common.contract.evidence import Evidence
 from cliffscan.common.perception.beam_reduction import NOTHING, Indices, beam_reduction, min_per_beam
 from cliffscan.common.perception.combine import beams_with
-from cliffscan.common.perception.point_heights import Metres, PointHeights
+from cliffscan.common.perception.floor_points import FloorPoints, Metres
 from cliffscan.common.perception.scans import ImageScanConfig
 from cliffscan.services.negative.registry import negative_method
 
 
 @negative_method("farthest_point", ImageScanConfig)
-def find(points: PointHeights, config: ImageScanConfig) -> Beams:
+def find(points: FloorPoints, config: ImageScanConfig) -> Beams:
     """The method with its configuration."""
     return beams_with(farthest_point(points, config.grid(), config.floor_band), Evidence.FARTHEST_FLOOR)
 
 
-def farthest_point(points: PointHeights, grid: Grid, floor_band: float) -> Ranges:
+def farthest_point(points: FloorPoints, grid: Grid, floor_band: float) -> Ranges:
     """Range [m] of the farthest floor point in each beam: (beams,); NaN where a beam saw no floor.
 
     A floor point lies within floor_band [m] of the floor plane. Paper: algorithm 1, equations (1) to (3).

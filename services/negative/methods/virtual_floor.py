@@ -10,18 +10,18 @@ from cliffscan.common.contract.beam_grid import Grid
 from cliffscan.common.contract.evidence import Evidence
 from cliffscan.common.perception.beam_reduction import LOOKED, NOTHING, Indices, beam_reduction, min_per_beam
 from cliffscan.common.perception.combine import beams_with
-from cliffscan.common.perception.point_heights import Metres, PointHeights
+from cliffscan.common.perception.floor_points import FloorPoints, Metres
 from cliffscan.common.perception.scans import ImageScanConfig
 from cliffscan.services.negative.registry import negative_method
 
 
 @negative_method("virtual_floor", ImageScanConfig)
-def find(points: PointHeights, config: ImageScanConfig) -> Beams:
+def find(points: FloorPoints, config: ImageScanConfig) -> Beams:
     """The method with its configuration."""
     return beams_with(virtual_floor(points, config.grid(), config.floor_band), Evidence.DROP)
 
 
-def virtual_floor(points: PointHeights, grid: Grid, floor_band: float) -> Ranges:
+def virtual_floor(points: FloorPoints, grid: Grid, floor_band: float) -> Ranges:
     """Range [m] of the nearest point below the floor, moved along its ray up to the floor: (beams,).
 
     Below the floor means by more than floor_band [m]. +inf where floor and nothing below it was seen, NaN where

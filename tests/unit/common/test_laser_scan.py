@@ -12,7 +12,7 @@ from cliffscan.common.contract.camera import reach
 from cliffscan.common.contract.depth_codec import RAW
 from cliffscan.common.contract.messages import DepthImage, LaserScan
 from cliffscan.common.perception.combine import beams_with, within
-from cliffscan.common.perception.point_heights import point_heights
+from cliffscan.common.perception.floor_points import floor_points
 from cliffscan.common.perception.scans import WARMUP_IMAGE, ImageScanConfig, laser_scan
 from tests.build import camera
 
@@ -27,7 +27,7 @@ def image(view=None, millimetres=2000):
 
 
 def heights(image, config):
-    return point_heights(image.depth, image.camera, config.range_min)
+    return floor_points(image.depth, image.camera, config.range_min)
 
 
 def beams(*ranges):

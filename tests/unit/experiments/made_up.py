@@ -6,7 +6,7 @@ from cliffscan.common.contract.depth_codec import RAW
 from cliffscan.common.contract.evidence import Evidence
 from cliffscan.common.contract.messages import DepthImage
 from cliffscan.common.perception.combine import beams_with, combine
-from cliffscan.common.perception.point_heights import point_heights
+from cliffscan.common.perception.floor_points import floor_points
 from cliffscan.common.perception.scans import ImageScanConfig, laser_scan
 from cliffscan.services.negative.methods.farthest_point import farthest_point
 from cliffscan.services.negative.methods.virtual_floor import virtual_floor
@@ -27,7 +27,7 @@ def image(name="hole and box", seq=0, stamp=1):
 def frame(name="hole and box", seq=0, stamp=1):
     depth = image(name, seq, stamp)
     config = ImageScanConfig(beams=80)
-    seen, grid = point_heights(depth.depth, depth.camera), config.grid()
+    seen, grid = floor_points(depth.depth, depth.camera), config.grid()
     negative = [
         beams_with(farthest_point(seen, grid, BAND), Evidence.FARTHEST_FLOOR),
         beams_with(virtual_floor(seen, grid, BAND), Evidence.DROP),

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from benchmarks.accuracy.cases import BUILD, Case
 from benchmarks.accuracy.frames import KNOWN, frames_of
 from cliffscan.common.contract.camera import FloorPlane
-from cliffscan.common.perception.point_heights import point_heights
+from cliffscan.common.perception.floor_points import floor_points
 from cliffscan.services.negative.config import NegativeConfig
 from cliffscan.services.negative.floor_following import End, floor_trace, single
 from cliffscan.services.negative.methods.near_edge import rows_outward
@@ -33,7 +33,7 @@ def mounted(width, height, mount):
 
 def assert_traced_alike(depth, camera, every=1):
     """Both traces of every so many columns are the same to the last bit; how they ended."""
-    seen = point_heights(depth, camera, lower_than=CONFIG.floor_band)
+    seen = floor_points(depth, camera, lower_than=CONFIG.floor_band)
     criteria, height = CONFIG.criteria(camera), np.float32(camera.floor.d)
     order, rates = rows_outward(seen.region, criteria), seen.region.up.single(-1.0)
     assert order.tolist() == naive.rows_outward(seen.region, criteria)

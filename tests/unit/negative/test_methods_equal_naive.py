@@ -10,7 +10,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 from cliffscan.common.contract.beam_grid import Grid
 from cliffscan.common.contract.camera import FloorPlane, reach
-from cliffscan.common.perception.point_heights import point_heights
+from cliffscan.common.perception.floor_points import floor_points
 from cliffscan.services.negative.methods.farthest_point import farthest_point
 from cliffscan.services.negative.methods.virtual_floor import virtual_floor
 from cliffscan.services.positive.projection import projection
@@ -22,12 +22,12 @@ GRID = Grid.between(64, -math.radians(29), math.radians(29))
 
 
 def assert_equal_naive(depth, camera, grid):
-    low, all_heights = point_heights(depth, camera, lower_than=BAND), point_heights(depth, camera)
+    low, all_heights = floor_points(depth, camera, lower_than=BAND), floor_points(depth, camera)
     found = {
         "farthest_point": farthest_point(low, grid, BAND),
         "virtual_floor": virtual_floor(low, grid, BAND),
-        "flat": projection(point_heights(depth, camera, lower_than=ROBOT), grid, BAND, ROBOT, 0.0),
-        "projection": projection(point_heights(depth, camera, lower_than=ROBOT), grid, BAND, ROBOT, SLOPE),
+        "flat": projection(floor_points(depth, camera, lower_than=ROBOT), grid, BAND, ROBOT, 0.0),
+        "projection": projection(floor_points(depth, camera, lower_than=ROBOT), grid, BAND, ROBOT, SLOPE),
     }
     assert_array_equal(farthest_point(all_heights, grid, BAND), found["farthest_point"])
     assert_array_equal(virtual_floor(all_heights, grid, BAND), found["virtual_floor"])
@@ -71,14 +71,14 @@ def test_any_camera_any_grid_any_noise(height, pitch, roll, beams, view, seed):
     if not sideways:
         assert_equal_naive(depth, camera, grid)
         return
-    upright = camera.__class__(  # the same camera with its image's axes exchanged, as `point_heights` looks at it
+    upright = camera.__class__(  # the same camera with its image's axes exchanged, as `floor_points` looks at it
         camera.height,
         camera.width,
         camera.intrinsics.__class__(*(camera.intrinsics[i] for i in (1, 0, 3, 2))),
         camera.range,
         FloorPlane(floor.ny, floor.nx, floor.nz, floor.d),
     )
-    seen = point_heights(depth, camera)
+    seen = floor_points(depth, camera)
     mirror = Grid.between(beams, -grid.angle_max, -grid.angle_min)
     turned = np.ascontiguousarray(depth.T)
     mirrored = naive.farthest_point(turned, upright, mirror, BAND)[::-1]
@@ -89,7 +89,7 @@ def test_any_camera_any_grid_any_noise(height, pitch, roll, beams, view, seed):
 
 def test_a_row_of_a_real_size_image_leaves_no_beam_empty():
     camera = scenes.camera(640, 480)
-    seen = point_heights(scenes.depth(camera), camera, lower_than=BAND)
+    seen = floor_points(scenes.depth(camera), camera, lower_than=BAND)
     grid = Grid.between(640, -math.radians(29), math.radians(29))
     assert np.isfinite(farthest_point(seen, grid, BAND)).all()
 

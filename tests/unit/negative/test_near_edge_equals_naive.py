@@ -11,7 +11,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 from cliffscan.common.contract.beam_grid import Grid
 from cliffscan.common.contract.camera import FloorPlane
-from cliffscan.common.perception.point_heights import point_heights
+from cliffscan.common.perception.floor_points import floor_points
 from cliffscan.services.negative.config import NegativeConfig
 from cliffscan.services.negative.methods.near_edge import FloorLost, near_edge
 from tests import naive, scenes
@@ -24,7 +24,7 @@ LOST = get_args(FloorLost)
 def assert_equal_naive(depth, camera, floor_lost="counts", beams=64, off=0.0):
     half = math.radians(29)
     grid = Grid.between(beams, -half + off, half + off)
-    seen = point_heights(depth, camera, lower_than=CONFIG.floor_band)
+    seen = floor_points(depth, camera, lower_than=CONFIG.floor_band)
     found = near_edge(seen, grid, CONFIG.criteria(camera), floor_lost, BASELINE)
     ranges, evidence, clear = naive.near_edge(seen, grid, CONFIG.criteria(camera), floor_lost, BASELINE)
     assert_allclose(found.ranges, ranges, rtol=1e-5)

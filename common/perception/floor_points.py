@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numba import njit
@@ -19,34 +20,52 @@ METRES = np.float32(MILLIMETRE)  # in one
 FARTHEST = np.iinfo(np.uint16).max  # [mm]
 
 
-class PointHeights(NamedTuple):
-    """What a depth image tells of the floor; pixels without a usable return have height NaN."""
+@dataclass(frozen=True, eq=False)
+class FloorPoints:
+    """What a depth image tells of the floor; its points are computed when they are first asked for."""
 
-    heights: Metres  # (rows, columns) [m] above the floor plane
-    distances: Metres  # (rows, columns) [m] along the floor, from the point below the camera
-    region: ImageRegion  # the part of the image that these are
+    depth: Millimetres  # (rows, columns) [mm], the whole image
+    region: ImageRegion  # the part of it that is looked at
+    range_min: float  # [m] along the floor; nearer points are parts of the robot
+
+    @cached_property
+    def usable(self) -> tuple[np.uint16, np.uint16]:
+        """The least and the largest depth [mm] that is a measurement."""
+        near, far = (np.uint16(min(round(limit / MILLIMETRE), FARTHEST)) for limit in self.region.camera.range)
+        return max(near, np.uint16(1)), far
+
+    @property
+    def heights(self) -> Metres:
+        """Above the floor plane [m], of the region's pixels (rows, columns); NaN without a usable return."""
+        return self._points[0]
+
+    @property
+    def distances(self) -> Metres:
+        """Along the floor [m], from the point below the camera: (rows, columns)."""
+        return self._points[1]
+
+    @cached_property
+    def _points(self) -> tuple[Metres, Metres]:
+        region = self.region
+        return _measure(
+            region.of(self.depth),
+            region.up.single(),
+            region.forward.single(),
+            region.left.single(),
+            np.float32(region.camera.floor.d),
+            *self.usable,
+            np.float32(self.range_min),
+        )
 
 
-def point_heights(
+def floor_points(
     depth: Millimetres, camera: Camera, range_min: float = 0.0, lower_than: float = math.inf
-) -> PointHeights:
+) -> FloorPoints:
     """The points of the rows of `depth` (rows, columns) [mm] that can show anything lower than `lower_than` [m].
 
     Depths outside the sensor's range and points nearer than range_min [m], parts of the robot, are left out.
     """
-    region = image_region(camera, lower_than)
-    near, far = (np.uint16(min(round(limit / MILLIMETRE), FARTHEST)) for limit in camera.range)
-    heights, distances = _measure(
-        region.of(depth),
-        region.up.single(),
-        region.forward.single(),
-        region.left.single(),
-        np.float32(camera.floor.d),
-        max(near, np.uint16(1)),
-        far,
-        np.float32(range_min),
-    )
-    return PointHeights(heights, distances, region)
+    return FloorPoints(depth, image_region(camera, lower_than), range_min)
 
 
 @njit(cache=True, error_model="numpy")
