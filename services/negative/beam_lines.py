@@ -21,7 +21,8 @@ Rows = NDArray[np.int32]
 
 APART = 0.01  # [m] of floor between two rows that are looked at, where the image has more
 ASLANT = 30.0  # [columns] per row, by which a line may lean at most
-NOWHERE = np.float32(-1.0)  # a column, or a row
+BESIDE = np.float32(1.0)  # [columns] beside the outermost ones' middles: half a pixel, and half a beam
+NOWHERE = np.float32(-1.0)  # a row
 
 
 class BeamLines(NamedTuple):
@@ -51,7 +52,7 @@ def beam_lines(region: ImageRegion, grid: Grid, each: int) -> BeamLines:
     with np.errstate(all="ignore"):  # a line that leans as rows do has no column in each
         column, step = azimuth_lines(region, azimuths)
         leads = (np.abs(azimuths) < ABREAST) & (np.abs(step) <= ASLANT) & (np.abs(column) < np.float64(1e6))
-    column, step = np.where(leads, column, NOWHERE), np.where(leads, step, 0.0)
+    column, step = np.where(leads, column, -2.0 * BESIDE), np.where(leads, step, 0.0)
     forward, left = _along(region.forward, column, step), _along(region.left, column, step)
     cos, sin = np.cos(azimuths), np.sin(azimuths)
     ahead, ahead_step = (f * cos + s * sin for f, s in zip(forward, left, strict=True))
@@ -124,11 +125,12 @@ def _heights_along(
         row = order[index]
         at, up_row, start = np.float32(row), up.rows[row], strides.origin + row * strides.down
         for u in range(many):
-            column = int(np.floor(lines.column[u] + at * lines.column_step[u] + np.float32(0.5)))
+            across = lines.column[u] + at * lines.column_step[u]
             ahead = lines.ahead[u] + at * lines.ahead_step[u]
             fall = lines.fall[u] + at * lines.fall_step[u]
-            inside = (column >= 0) & (column < columns) & (ahead > np.float32(0.0))
-            column = column if inside else 0
+            inside = (across >= -BESIDE) & (across < columns - 1 + BESIDE) & (ahead > np.float32(0.0))
+            column = int(np.floor(across + np.float32(0.5))) if inside else 0
+            column = min(max(column, 0), columns - 1)
             depth = millimetres[start + column * strides.right]
             metres = np.float32(depth) * METRES
             usable = inside & (near <= depth) & (depth <= far) & (metres * ahead >= range_min)

@@ -73,6 +73,11 @@ DEEP_ROWS = f32(2.0)  # rows far below that make a drop
 STEP_ROWS = f32(5.0)  # rows below that tell a drop from a step down
 STRONG_FALL, STRONG_ROWS = f32(1.25), f32(1.1)  # times the least fall, from which a row counts for that many
 BESIDE_ROWS = f32(1.0)  # more rows below than that, and then floor again, are a hole
+# Fallen away: stereo smears a kerb's face into a slope, and what is rough is allowed more; but a ramp goes on
+FALLEN, FALLEN_SIGMAS = f32(0.012), f32(3.0)  # [m] and sigmas below the steepest ramp, from which floor is watched
+USUAL_LENGTH = f32(0.3)  # [m] of floor whose level counts where a bump before is higher
+KERB = f32(0.05)  # [m] below where it fell: less is uneven floor
+KERB_LENGTH, KERB_ROWS = f32(0.5), f32(5.0)  # [m] and rows over which it stays so low that it is another floor
 # Above the floor: an obstacle
 ABOVE_SIGMAS = f32(4.0)  # a height that is higher by a step and more sigmas of noise is above
 OBSTACLE_ROWS = f32(2.0)  # rows above that make an obstacle
@@ -164,6 +169,10 @@ def floor_trace(
     roughness = np.full(many, noise)  # [1/m] of inverse depth, as noise
     rows_below, rows_deep = np.zeros(many, np.float32), np.zeros(many, np.float32)  # since floor was seen
     rows_above = np.zeros(many, np.float32)
+    brink_row, brink_level = np.full(many, NOWHERE), np.zeros(many, np.float32)  # from which floor has fallen away,
+    brink_depth = np.zeros(many, np.float32)  # [m]
+    even_row, even_level = np.full(many, NOWHERE), np.zeros(many, np.float32)  # where it was not yet falling
+    even_depth, usual = np.zeros(many, np.float32), np.zeros(many, np.float32)  # [m]; level of the last USUAL_LENGTH
     outward = ONE if order[0] > order[-1] else -ONE  # how many rows nearer is the row of the next higher number
     spread, latest = np.empty(many, np.float32), np.empty(many, np.float32)
     for u in range(many):
@@ -214,6 +223,18 @@ def floor_trace(
             above = above + ONE if is_above else above
             settled = is_below & (below >= STEP_ROWS) & (deep < ONE)
             step_down = settled & (fall <= step)
+
+            # how it has fallen away, by more than the steepest ramp
+            steepest = FALLEN + FALLEN_SIGMAS * noise * deviation
+            falls_away = looking & started & (fall > steepest) & (brink_row[u] < ZERO)
+            brink = even_row[u] if falls_away else brink_row[u]
+            from_depth = even_depth[u] if falls_away else brink_depth[u]
+            lower = even_level[u] if even_level[u] < usual[u] else usual[u]
+            from_level = lower if falls_away else brink_level[u]
+            fallen = (brink >= ZERO) & (from_level - height >= KERB)
+            far_fallen = (depth - from_depth >= KERB_LENGTH) & ((brink - at) * outward >= KERB_ROWS)
+            back = (not missing) & (not fallen) & (not falls_away)
+            kerb = looking & fallen & far_fallen
             gap = started & (rows_since > NO_RETURN_ROWS) & (since > criteria.gap)
             gap = gap & (last_rough < NO_RETURN_ROUGHNESS * noise)
 
@@ -224,10 +245,10 @@ def floor_trace(
             verdict = GOING if in_range else (UNVERIFIED if unverified else REACHED_RANGE)
             verdict = (NO_RETURN if gap else OCCLUDED) if occluded else verdict
             verdict = NO_RETURN if looking & missing & gap else verdict
-            verdict = DROP if drop else verdict
+            verdict = DROP if drop | kerb else verdict
 
             # and how the floor goes on, if not
-            take = (is_floor | step_down) & (not drop)
+            take = (is_floor | step_down) & (not drop) & (not kerb)
             smooth = is_floor & take
             strange = (depth > latest[u]) | (height > STRANGE_HEIGHT) | (height < -STRANGE_HEIGHT) | (below > ZERO)
             skipped = (rows_since > SKIPPED_ROWS) & (since > SKIPPED_LENGTH)
@@ -242,6 +263,8 @@ def floor_trace(
             change = change if started else -fall
             inclined = last_incline + (change - last_incline * since) / INCLINE_LENGTH
             new_level = height if step_down else last_level + change
+            share = since / USUAL_LENGTH if since < USUAL_LENGTH else ONE
+            now_usual = usual[u] + (share if started else ONE) * (new_level - usual[u])
 
             end[u] = verdict if active else ended
             floor_row[u] = at if take else last_row
@@ -254,6 +277,12 @@ def floor_trace(
             roughness[u] = rough if smooth else last_rough
             rows_below[u], rows_deep[u] = ZERO if take else below, ZERO if take else deep
             rows_above[u] = ZERO if take else above
+            brink_row[u] = brink_row[u] if not active else (NOWHERE if back else brink)
+            brink_depth[u], brink_level[u] = from_depth, from_level
+            usual[u] = now_usual if take else usual[u]
+            even = take & ((fall < HALF * steepest) | (not started))
+            even_row[u] = at if even else even_row[u]
+            even_depth[u], even_level[u] = depth if even else even_depth[u], new_level if even else even_level[u]
         going = 0
         for u in range(many):
             going += 1 if end[u] < ZERO else 0
@@ -265,6 +294,12 @@ def floor_trace(
             end[u] = REACHED_RANGE if recent and sure_row[u] == floor_row[u] else UNVERIFIED
         if sure_row[u] == floor_row[u]:
             sure_level[u] = level[u]
+        if brink_row[u] >= ZERO and (brink_row[u] - floor_row[u]) * outward > ZERO:
+            # what lies beyond a brink is no floor for sure
+            floor_row[u], level[u] = brink_row[u], brink_level[u]
+            end[u] = end[u] if end[u] == DROP or end[u] == NO_RETURN else UNVERIFIED
+            if (brink_row[u] - sure_row[u]) * outward > ZERO:
+                sure_row[u], sure_level[u] = brink_row[u], brink_level[u]
         if end[u] == DROP and floor_row[u] == NOWHERE:
             floor_row[u] = first[u]
     return end, floor_row, level, sure_row, sure_level

@@ -104,18 +104,19 @@ def in_shadow(points: FloorPoints, lines: BeamLines, lost: Pixels, row: Metres, 
 def pixels(region: ImageRegion, lines: BeamLines, some: Pixels, rows: Metres) -> Pixels:
     """Row and column in the whole image at which some lines pass rows of a region: (n, 2)."""
     columns = np.floor(lines.column[some] + rows * lines.column_step[some] + np.float32(0.5))
+    columns = np.clip(columns, 0, region.shape[1] - 1)
     down, right = (columns, rows) if region.transposed else (rows, columns)
     return np.stack([down + region.rows.start, right + region.columns.start], axis=1).astype(np.int64)
 
 
 def beams_of_lines(end: Meanings, ranges: Floats, clear: Floats, each: int) -> Beams:
     """What the beams say, of `each` lines: the worst of them, which is the nearest number, or NaN, or +inf."""
-    said = np.where(EVIDENCE[end] > 0.0, ranges, WITHOUT_NUMBER[end]).reshape(-1, each)
-    worst = np.argmin(np.where(np.isnan(said), BETWEEN, said), axis=1)
-    beams = np.arange(len(said))
+    said = np.where(EVIDENCE[end] > 0.0, ranges, WITHOUT_NUMBER[end])
+    badness = np.where(np.isnan(said), BETWEEN, said).reshape(-1, each)
+    worst = np.argmin(badness, axis=1) + np.arange(0, len(said), each)
     return Beams(
-        ranges=said[beams, worst].astype(np.float32),
-        intensities=EVIDENCE[end].reshape(-1, each)[beams, worst].astype(np.float32),
+        ranges=said[worst].astype(np.float32),
+        intensities=EVIDENCE[end][worst].astype(np.float32),
         clear=clear.reshape(-1, each).min(axis=1).astype(np.float32),
     )
 
