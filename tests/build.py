@@ -38,6 +38,9 @@ def depth_fields(**changes) -> dict:
         "intrinsics": [3.0, 2.5, 1.0, 0.5],
         "range": [0.5, 4.5],
         "floor": [0.0, -1.0, 0.0, 0.3],
+        "noise": 0.002,
+        "baseline": 0.05,
+        "region": [0, 0, 2, 1],
     }
     return _changed(fields, changes)
 

@@ -6,17 +6,16 @@ Of the paper's, points are taken one by one; where it has a level camera and y' 
 import math
 from collections.abc import Iterator
 from functools import cache
-from itertools import pairwise
 
 import numpy as np
-from cliffscan.services.negative.column_edges import AGREE, NARROWEST, SIDE
 
 from cliffscan.common.contract.beam_grid import Grid
 from cliffscan.common.contract.camera import Camera
 from cliffscan.common.perception.floor_points import FloorPoints
 from cliffscan.common.perception.image_region import ImageRegion
+from cliffscan.services.negative.beam_lines import APART, BeamLines, beam_lines, heights_along, lines_per_beam
 from cliffscan.services.negative.floor_following import End, FloorCriteria
-from cliffscan.services.negative.methods.near_edge import APART
+from cliffscan.services.negative.line_edges import AGREE, NARROWEST, SIDE
 from tests import naive_trace
 
 
@@ -117,44 +116,60 @@ def combine(array_a: np.ndarray, array_b: np.ndarray) -> np.ndarray:
 
 
 def near_edge(
-    points: FloorPoints, grid: Grid, criteria: FloorCriteria, floor_lost: str, baseline: float
+    points: FloorPoints, grid: Grid, criteria: FloorCriteria, floor_lost: str
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Ours: each column is followed over the floor, to where it ends. The beams' ranges, evidence and clear."""
+    """Ours: each beam's lines are followed over the floor, to where it ends. The beams' ranges, evidence and clear."""
     region, height = points.region, np.float32(points.region.camera.floor.d)
-    rates, order = region.up.single(-1.0), rows_outward(region, criteria)
-    columns = range(region.shape[1])
+    each = lines_per_beam(region, grid)
+    lines, many = beam_lines(region, grid, each), each * grid.beams
+    order = rows_outward(region, criteria.far)
     if not order:
         return np.full(grid.beams, math.nan), np.zeros(grid.beams), np.zeros(grid.beams)
-    traced = [naive_trace.floor_trace(points.heights, order, rates, height, criteria, column) for column in columns]
-    ends, rows, levels, sure, sure_levels = (list(each) for each in zip(*traced, strict=True))
-    outward = 1 if order[-1] > order[0] else -1
-    disparity = baseline * region.camera.intrinsics.fx
-    for u in columns:
-        lost = ends[u] == End.NO_RETURN and not region.transposed
-        if lost and naive_trace.shadowed(points.heights, rates, height, u, rows[u], outward, disparity):
-            ends[u] = End.OCCLUDED
-    averages = [averaged(ends, rows, levels, u) for u in columns]
-    places = [place(region, u, max(rows[u], 0), averages[u]) for u in columns]
-    clear = [surely(region, u, places[u], rows[u], sure[u], sure_levels[u]) for u in columns]
-    doubt(ends, places, floor_lost)
-    return of_beams(ends, places, clear, grid)
+    heights, first, last = heights_along(points, lines, np.array(order, np.int32))
+    view = naive_trace.View(lines, first, last)
+    traced = [naive_trace.floor_trace(heights, order, view, height, criteria, line) for line in range(many)]
+    ends, rows, levels, sure, sure_levels = (list(values) for values in zip(*traced, strict=True))
+    beyond = 2 if order[-1] > order[0] else -2
+    for line in range(many):
+        if ends[line] == End.NO_RETURN:
+            pixels = [pixel(region, lines, line, row) for row in (rows[line], rows[line] + beyond)]
+            if naive_trace.shadowed(region.camera, points.depth, *pixels):
+                ends[line] = End.OCCLUDED
+    levels = [averaged(ends, rows, levels, line) for line in range(many)]
+    ranges = [place(region, lines, line, rows[line], levels[line]) for line in range(many)]
+    clear = [
+        ranges[line] if sure[line] == rows[line] else place(region, lines, line, sure[line], float(sure_levels[line]))
+        for line in range(many)
+    ]
+    doubt(ends, ranges, first, grid.increment / each, floor_lost)
+    beams = [worst(range(beam * each, (beam + 1) * each), ends, ranges, clear) for beam in range(grid.beams)]
+    told, evidence, free = zip(*beams, strict=True)
+    return np.array(told), np.array(evidence), np.array(free)
 
 
-def rows_outward(region: ImageRegion, criteria: FloorCriteria) -> list[int]:
+def rows_outward(region: ImageRegion, far: float) -> list[int]:
     """The rows that see floor, near to far: of those that see it within a centimetre of each other, the nearest."""
-    columns = [0, region.shape[1] // 2, region.shape[1] - 1]
+    columns = [0, region.shape[1] - 1]
     rows = list(range(region.shape[0]))
     if region.up.rows[0] > region.up.rows[1]:
         rows.reverse()
     chosen, before = [], None
     for row in rows:
-        downward = [-(region.up.rows[row] + region.up.columns[column]) for column in columns]
-        inverse = [rate / region.camera.floor.d for rate in downward]
-        steps = [math.floor(1 / (APART * max(each, 0.5 / criteria.far))) for each in inverse]
-        if steps != before and any(each > 0.5 / criteria.far and each > 0 for each in inverse):
+        inverse = [-(region.up.rows[row] + region.up.columns[column]) / region.camera.floor.d for column in columns]
+        farthest = min(inverse)
+        step = math.floor(1 / (APART * max(farthest, 0.5 / far)))
+        if max(inverse) > 0.5 / far and (step != before or farthest < 0.5 / far):
             chosen.append(row)
-        before = steps
+        before = step
     return chosen
+
+
+def pixel(region: ImageRegion, lines: BeamLines, line: int, row: float) -> tuple[int, int]:
+    """Row and column of the whole image at which a line passes a row of the region."""
+    column = math.floor(lines.column[line] + np.float32(row) * lines.column_step[line] + np.float32(0.5))
+    column = min(max(column, 0), region.shape[1] - 1)
+    down, right = (column, int(row)) if region.transposed else (int(row), column)
+    return down + region.rows.start, right + region.columns.start
 
 
 def numbered(end: End) -> bool:
@@ -162,7 +177,7 @@ def numbered(end: End) -> bool:
 
 
 def averaged(ends: list[End], rows: list[int], levels: list[np.float32], u: int) -> float:
-    """A column's floor level, averaged with its neighbours' that ended likewise, if that is about the same."""
+    """A line's floor level, averaged with its neighbours' that ended likewise, if that is about the same."""
     beside = range(max(u - SIDE, 0), min(u + SIDE + 1, len(ends)))
     alike = [float(levels[k]) for k in beside if numbered(ends[k]) and rows[k] >= 0]
     if not (numbered(ends[u]) and rows[u] >= 0 and abs(sum(alike) / len(alike) - levels[u]) < AGREE):
@@ -170,77 +185,39 @@ def averaged(ends: list[End], rows: list[int], levels: list[np.float32], u: int)
     return sum(alike) / len(alike)
 
 
-def place(region: ImageRegion, u: int, row: int, level: float) -> tuple[float, float, float]:
-    """Azimuth and range at which a pixel's ray meets floor at that level, and how much of azimuth the pixel covers."""
-    forward, left, up = (axis.columns[u] + axis.rows[row] for axis in (region.forward, region.left, region.up))
-    depth = np.divide(level - region.camera.floor.d, up)
-    across = [axis.columns[1] - axis.columns[0] for axis in (region.forward, region.left)]
-    width = abs(across[1] * forward - across[0] * left) / (forward**2 + left**2)
-    return math.atan2(left, forward), math.hypot(forward, left) * depth, width
+def place(region: ImageRegion, lines: BeamLines, line: int, row: float, level: float) -> float:
+    """Range at which a line's ray in a row meets floor at that level; 0 where there is no row."""
+    if row < 0:
+        return 0.0
+    column = float(lines.column[line]) + float(row) * float(lines.column_step[line])
+    forward, left, up = (
+        axis.columns[0] + column * (axis.columns[1] - axis.columns[0]) + axis.rows[int(row)]
+        for axis in (region.forward, region.left, region.up)
+    )
+    return math.hypot(forward, left) * (level - region.camera.floor.d) / up
 
 
-def surely(
-    region: ImageRegion, u: int, end: tuple[float, float, float], row: int, sure: int, level: float
-) -> tuple[float, float]:
-    """Azimuth and range up to which a column shows floor throughout: to its end, or to where it was last sure."""
-    if sure < 0:
-        return end[0], 0.0
-    return end[:2] if sure == row else place(region, u, sure, level)[:2]
-
-
-def doubt(ends: list[End], places: list[tuple[float, float, float]], floor_lost: str) -> None:
-    """Take back what too few columns side by side saw, unless at the border, and lost floor that is not to count."""
-    first, count = 0, len(ends)
-    while first < count:
-        stop = first
+def doubt(ends: list[End], ranges: list[float], first: np.ndarray, spacing: float, floor_lost: str) -> None:
+    """Take back what too few lines side by side saw, unless at the border, and lost floor that is not to count."""
+    start, count = 0, len(ends)
+    while start < count:
+        stop = start
         while stop < count and numbered(ends[stop]):
             stop += 1
-        group = range(first, stop)
-        across = sum(places[u][1] * places[u][2] for u in group)
-        narrow = first > 0 and stop < count and across < NARROWEST
+        group = range(start, stop)
+        across = sum(ranges[u] * spacing for u in group)
+        amid = start > 0 and stop < count and first[start - 1] >= 0 and first[stop] >= 0
         beside_drop = any(ends[u] == End.DROP for u in group)
         counts = floor_lost == "counts" or (floor_lost == "beside_drop" and beside_drop)
         for u in group:
-            if narrow or (ends[u] == End.NO_RETURN and not counts):
+            if (amid and across < NARROWEST) or (ends[u] == End.NO_RETURN and not counts):
                 ends[u] = End.UNVERIFIED
-        first = stop + 1
+        start = stop + 1
 
 
-def of_beams(
-    ends: list[End], places: list[tuple[float, float, float]], clear: list[tuple[float, float]], grid: Grid
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Each beam tells the worst of the columns it listens to: the nearest number, or not seen, or free."""
-    half = grid.increment / 2
-    told = []
-    for angle in grid.angles():
-        heard = [u for u, (azimuth, _, width) in enumerate(places) if abs(azimuth - angle) <= max(width, half)]
-        heard = heard or [u for u in range(len(places)) if is_nearest(places, u, angle)]
-        numbers = [(places[u][1], 2.0 if ends[u] == End.DROP else 3.0) for u in heard if numbered(ends[u])]
-        closed = between_closed(ends, places, angle)
-        free = heard and all(ends[u] == End.REACHED_RANGE for u in heard) and not closed
-        nearest = min(numbers, key=lambda number: number[0]) if numbers else (math.inf if free else math.nan, 0.0)
-        doubtful = [u for u in range(len(places)) if crosses(places[u], clear[u][0], angle, half)]
-        told.append((*nearest, min(clear[u][1] for u in heard + closed + doubtful) if heard else 0.0))
-    ranges, evidence, free_up_to = zip(*told, strict=True)
-    return np.array(ranges), np.array(evidence), np.array(free_up_to)
-
-
-def crosses(end: tuple[float, float, float], doubted: float, angle: float, half: float) -> bool:
-    """Whether a column that was no longer sure beyond one azimuth led over an angle on the way to its end."""
-    azimuth, _, width = end
-    reach = max(width, half)
-    return doubted != azimuth and min(azimuth, doubted) - reach <= angle <= max(azimuth, doubted) + reach
-
-
-def between_closed(ends: list[End], places: list[tuple[float, float, float]], angle: float) -> list[int]:
-    """The neighbouring columns, neither of them free, between which an angle lies."""
-    spans = [sorted((one[0], other[0])) for one, other in pairwise(places)]
-    pairs = [(u, u + 1) for u, (low, high) in enumerate(spans) if low <= angle <= high]
-    return [u for pair in pairs if End.REACHED_RANGE not in (ends[pair[0]], ends[pair[1]]) for u in pair]
-
-
-def is_nearest(places: list[tuple[float, float, float]], u: int, angle: float) -> bool:
-    """Whether an angle lies between a column and the middle between it and a neighbour."""
-    beside = [places[k][0] for k in (u - 1, u + 1) if 0 <= k < len(places)]
-    middles = [places[u][0], *((places[u][0] + each) / 2 for each in beside)]
-    return min(middles) <= angle <= max(middles)
+def worst(own: range, ends: list[End], ranges: list[float], clear: list[float]) -> tuple[float, float, float]:
+    """Of a beam's lines the nearest number, or not seen, or free; how far all of them show floor."""
+    numbers = [(ranges[u], 2.0 if ends[u] == End.DROP else 3.0) for u in own if numbered(ends[u])]
+    free = all(ends[u] == End.REACHED_RANGE for u in own)
+    nearest = min(numbers, key=lambda number: number[0]) if numbers else (math.inf if free else math.nan, 0.0)
+    return *nearest, min(clear[u] for u in own)

@@ -1,13 +1,17 @@
-"""The kernels of services/negative/floor_following.py and shadow.py, slowly and plainly: column by column, row by row.
+"""The kernels of services/negative/floor_following.py and shadow.py, slowly and plainly: line by line, row by row.
 
 Arithmetic is in single precision and in the kernels' order, so that both decide alike.
 """
 
+from typing import NamedTuple
+
 import numpy as np
 
-from cliffscan.common.contract.camera import Affine
+from cliffscan.common.contract.camera import Camera, scan_axes
+from cliffscan.common.perception.floor_points import METRES
 from cliffscan.services.negative import floor_following as of_trace
 from cliffscan.services.negative import shadow as of_shadow
+from cliffscan.services.negative.beam_lines import BeamLines
 from cliffscan.services.negative.floor_following import End, FloorCriteria
 
 f32 = np.float32
@@ -15,46 +19,66 @@ NEVER = -1
 
 
 def floor_trace(
-    heights: np.ndarray, order: np.ndarray, rates: Affine, camera_height: f32, criteria: FloorCriteria, column: int
+    heights: np.ndarray, order: np.ndarray, view: "View", camera_height: f32, criteria: FloorCriteria, line: int
 ) -> tuple[End, int, f32, int, f32]:
-    """What became of the floor in one column: its End, the rows where it was seen last and surely, and its heights."""
-    sensor = Sensor(rates, camera_height, criteria, order[0])
-    trace = Trace(sensor, column)
+    """What became of the floor along one line: its End, the rows where it was seen last and surely, and its heights."""
+    trace = Trace(Sensor(view, order, camera_height, criteria, line))
     with np.errstate(all="ignore"):
-        for row in order:
-            trace.look(int(row), filled(heights, int(row), column, sensor.criteria.step))
+        for index, row in enumerate(order):
+            if not trace.sensor.begun(int(row)):
+                continue
+            trace.look(int(row), filled(heights, index, line, trace.sensor.criteria.step))
             if trace.end is not End.GOING:
                 break
     return trace.result()
 
 
-def filled(heights: np.ndarray, row: int, column: int, step: f32) -> f32:
+def filled(heights: np.ndarray, index: int, line: int, step: f32) -> f32:
     """A pixel's height; of a speckle the middle of its neighbours', or of theirs, if they agree."""
-    here = heights[row, column]
-    if not np.isnan(here) or not 2 <= column < heights.shape[1] - 2:
+    here = heights[index, line]
+    if not np.isnan(here) or not 2 <= line < heights.shape[1] - 2:
         return here
     for away in (1, 2):
-        left, right = heights[row, column - away], heights[row, column + away]
+        left, right = heights[index, line - away], heights[index, line + away]
         if abs(left - right) <= step:
             return f32(0.5) * (left + right)
     return f32(np.nan)
 
 
-class Sensor:
-    """What all columns have in common."""
+class View(NamedTuple):
+    """The lines, and the first and last row in which each has floor in view, as heights_along has them."""
 
-    def __init__(self, rates: Affine, camera_height: f32, criteria: FloorCriteria, first_row: int) -> None:
-        self.rates, self.height, self.criteria = rates, camera_height, FloorCriteria(*map(f32, criteria))
-        self.downward = f32(1) if rates.rows[0] < rates.rows[1] else f32(-1)  # the way that rows go toward the robot
-        self.per_row = abs(rates.rows[1] - rates.rows[0]) / camera_height
-        self.middle = rates.columns[len(rates.columns) // 2]
-        lowest = max(self.middle + rates.rows[first_row], self.criteria.grazing)
-        self.nearest = max(self.criteria.near, camera_height / lowest) + of_trace.LATE_DEPTH
+    lines: BeamLines
+    first: np.ndarray
+    last: np.ndarray
+
+
+class Sensor:
+    """What one line's ray does in a row, and what the sensor makes of it."""
+
+    def __init__(self, view: View, order: np.ndarray, camera_height: f32, criteria: FloorCriteria, line: int) -> None:
+        self.lines, self.first, self.last, self.line = view.lines, view.first[line], view.last[line], line
+        self.height, self.criteria = camera_height, FloorCriteria(*map(f32, criteria))
+        self.downward = f32(1) if order[0] > order[-1] else f32(-1)  # the way that rows go toward the robot
+        self.per_row = abs(self.lines.fall_step[line]) / camera_height
+        nearest = camera_height / max(self.fall(self.first), self.criteria.grazing)
+        spacing = of_trace.SKIPPED_ROWS * nearest * nearest * self.per_row
+        self.latest = nearest + max(of_trace.SKIPPED_LENGTH, spacing)
+
+    def begun(self, row: int) -> bool:
+        return (self.first - row) * self.downward >= 0
+
+    def beyond(self, row: int) -> bool:
+        """Whether a row is past the last that has the line's floor in view."""
+        return (row - self.last) * self.downward < 0
+
+    def fall(self, row: float) -> f32:
+        return self.lines.fall[self.line] + f32(row) * self.lines.fall_step[self.line]
 
     def row(self, row: int) -> tuple[f32, f32, f32]:
-        """What a hole shows of its far side at least, and how far floor falls and rises per metre along this row."""
+        """What a hole shows of its far side at least, and how far floor falls and rises per metre at this row."""
         criteria = self.criteria
-        steep = max(self.middle + self.rates.rows[row], criteria.grazing)
+        steep = max(self.fall(row), criteria.grazing)
         shortest = of_trace.HOLE_LENGTH
         shown = min(of_trace.HOLE_SHARE * shortest * self.height / (self.height / steep + shortest), criteria.step)
         shown = max(shown, of_trace.UNEVEN)
@@ -63,17 +87,20 @@ class Sensor:
 
 
 class Trace:
-    """The floor in one column, followed outward."""
+    """The floor along one line, followed outward."""
 
-    def __init__(self, sensor: Sensor, column: int) -> None:
-        self.sensor, self.column = sensor, column
+    def __init__(self, sensor: Sensor) -> None:
+        self.sensor = sensor
         self.level = self.incline = f32(0)
         self.rough = sensor.criteria.noise
         self.end, self.row = End.GOING, NEVER
-        self.last = self.first_look = NEVER  # rows
+        self.last = NEVER  # row
         self.below = f32(0)  # rows since floor was seen, those far below counted more
         self.deep = self.above = 0  # rows since floor was seen
         self.doubtful, self.sure, self.sure_level = False, NEVER, f32(0)
+        self.usual = f32(0)  # level of the last while
+        self.even = (NEVER, f32(0), f32(0))  # row, depth and level at which it was not yet falling away
+        self.brink = None  # the same, from which it has fallen away
 
     @property
     def started(self) -> bool:
@@ -83,22 +110,25 @@ class Trace:
         return f32(self.last - self.row) * self.sensor.downward if self.started else f32(1)
 
     def look(self, row: int, height: f32) -> None:
-        """The next row outward, and what it shows at this column."""
+        """The next row outward, and what it shows on this line."""
         sensor, criteria = self.sensor, self.sensor.criteria
         self.row, missing = row, np.isnan(height)
-        rate = sensor.rates.columns[self.column] + sensor.rates.rows[row]
+        rate = sensor.fall(row)
         depth = (sensor.height - self.level) / rate
-        since = self.rows_since() * depth * depth * sensor.per_row
         since_rows = self.rows_since()
+        since = since_rows * depth * depth * sensor.per_row
         least_angle = rate + min(self.incline, f32(0)) if missing else rate
-        if not (rate > 0 and depth <= criteria.far and rate >= criteria.grazing and least_angle >= criteria.grazing):
-            seen = self.started and not self.doubtful and since_rows <= of_trace.RECENT_ROWS
-            self.end = End.REACHED_RANGE if seen else End.UNVERIFIED
+        seen = rate > 0 and depth <= criteria.far and rate >= criteria.grazing and not sensor.beyond(row)
+        if not (seen and least_angle >= criteria.grazing):
+            recent = self.started and not self.doubtful and since_rows <= of_trace.RECENT_ROWS
+            self.end = End.REACHED_RANGE if recent else End.UNVERIFIED
+            if not missing:
+                self._back(height)
             return
         if depth < criteria.near:
+            if not missing:
+                self._back(height)
             return
-        if self.first_look == NEVER:
-            self.first_look = row
         gap = self.started and since_rows > of_trace.NO_RETURN_ROWS and since > criteria.gap
         gap = gap and self.rough < of_trace.NO_RETURN_ROUGHNESS * criteria.noise
         if missing:
@@ -113,28 +143,53 @@ class Trace:
         large = slack + criteria.step + of_trace.DEEP_SIGMAS * sigma
         high = may_rise + criteria.step + of_trace.ABOVE_SIGMAS * criteria.noise * deviation
         fall = self.level - height
+        steepest = of_trace.FALLEN + of_trace.FALLEN_SIGMAS * criteria.noise * deviation
+        kerb = self._fallen(height, fall > steepest, depth)
         if fall > small:
-            self._below(fall > large, fall > of_trace.STRONG_FALL * small, fall, height, depth, since)
+            self._below(fall > large, fall > of_trace.STRONG_FALL * small, fall, height, depth, since, kerb)
         elif -fall > high:
             self.above += 1
             if self.above >= of_trace.OBSTACLE_ROWS:
                 self.end = End.NO_RETURN if gap else End.OCCLUDED
         elif self.below > of_trace.BESIDE_ROWS and self.started:
             self.end = End.DROP  # floor on the far side of something that lies below it
-        else:
+        elif not kerb:
             self._floor(height, fall, rate, depth, since, may_fall, may_rise)
+        if kerb:
+            self.end = End.DROP
+        elif self.last == row and (fall < f32(0.5) * steepest or self.even[0] == NEVER):
+            self.even = (row, depth, self.level)
 
-    def _below(self, deep: bool, strong: bool, fall: f32, height: f32, depth: f32, since: f32) -> None:
+    def _fallen(self, height: f32, falls_away: bool, depth: f32) -> bool:
+        """Whether floor has fallen by a kerb from where it was even, for so long that it is another floor."""
+        if self.started and falls_away and self.brink is None:
+            row, from_depth, level = self.even
+            self.brink = row, from_depth, min(level, self.usual)
+            self._back(height, keep=True)
+        else:
+            self._back(height)
+        if self.brink is None:
+            return False
+        row, from_depth, level = self.brink
+        far = depth - from_depth >= of_trace.KERB_LENGTH and abs(row - self.row) >= of_trace.KERB_ROWS
+        return bool(level - height >= of_trace.KERB and far)
+
+    def _back(self, height: f32, keep: bool = False) -> None:
+        """It has not fallen away where it is back at its height."""
+        if self.brink is not None and not keep and not self.brink[2] - height >= of_trace.KERB:
+            self.brink = None
+
+    def _below(self, deep: bool, strong: bool, fall: f32, height: f32, depth: f32, since: f32, kerb: bool) -> None:
         """Something lower than floor can be: a drop, or after some rows of it, none of them deep, a step down."""
         self.below += of_trace.STRONG_ROWS if strong else f32(1)
         self.deep += deep
         settled = self.below >= of_trace.STEP_ROWS and not self.deep
         if self.deep >= of_trace.DEEP_ROWS or (settled and fall > self.sensor.criteria.step):
             self.end = End.DROP
-        elif settled:
+        elif settled and not kerb:
             self._doubt(height, depth, since)
             self.level = height
-            self._taken()
+            self._taken(since)
 
     def _floor(self, height: f32, fall: f32, rate: f32, depth: f32, since: f32, may_fall: f32, may_rise: f32) -> None:
         """Floor: its level follows slowly; what it deviates tells how rough it is, how it changes how it inclines."""
@@ -147,17 +202,19 @@ class Trace:
         rough = self.rough + of_trace.ROUGHNESS_GAIN * (seen_rough - self.rough)
         self.rough = min(max(rough, noise), of_trace.ROUGH_MOST * noise)
         self.level = self.level + change
-        self._taken()
+        self._taken(since)
 
     def _doubt(self, height: f32, depth: f32, since: f32) -> None:
         """Floor first seen far off, or not at the plane's height, may be another floor; that beyond a gap as well."""
         if self.started:
             doubt = self.rows_since() > of_trace.SKIPPED_ROWS and since > of_trace.SKIPPED_LENGTH
         else:
-            doubt = depth > self.sensor.nearest or abs(height) > of_trace.STRANGE_HEIGHT or self.below > 0
+            doubt = depth > self.sensor.latest or abs(height) > of_trace.STRANGE_HEIGHT or self.below > 0
         self.doubtful = self.doubtful or doubt
 
-    def _taken(self) -> None:
+    def _taken(self, since: f32) -> None:
+        share = since / of_trace.USUAL_LENGTH if since < of_trace.USUAL_LENGTH else f32(1)
+        self.usual = self.usual + (share if self.started else f32(1)) * (self.level - self.usual)
         self.last, self.below, self.deep, self.above = self.row, f32(0), 0, 0
         if not self.doubtful:
             self.sure, self.sure_level = self.row, self.level
@@ -166,36 +223,51 @@ class Trace:
         if self.end is End.GOING:
             seen = self.started and not self.doubtful and self.rows_since() <= of_trace.RECENT_ROWS
             self.end = End.REACHED_RANGE if seen else End.UNVERIFIED
-        if not self.started and self.end is End.DROP:
-            return self.end, self.first_look, self.level, self.sure, self.sure_level
-        return self.end, self.last, self.level, self.sure, self.sure_level
+        last, level, sure, sure_level = self.last, self.level, self.sure, self.sure_level
+        if self.brink is not None and (self.brink[0] - last) * self.sensor.downward > 0:
+            last, _, level = self.brink
+            self.end = self.end if self.end in (End.DROP, End.NO_RETURN) else End.UNVERIFIED
+            if (last - sure) * self.sensor.downward > 0:
+                sure, sure_level = last, level
+        if last == NEVER and self.end is End.DROP:
+            last = int(self.sensor.first)
+        return self.end, last, level, sure, sure_level
 
 
-def shadowed(
-    heights: np.ndarray, rates: Affine, camera_height: f32, column: int, last: int, outward: int, disparity: float
-) -> bool:
-    """Whether something to either side hides from one of the sensor's eyes what lies beyond row `last`."""
-    row = last + 2 * outward
-    if not 0 <= row < len(heights):
+def shadowed(camera: Camera, depth: np.ndarray, last: tuple[int, int], beyond: tuple[int, int]) -> bool:
+    """Whether something to either side hides from one of the sensor's eyes what lies at a pixel `beyond`."""
+    row, column = beyond
+    if not (0 <= row < camera.height and 0 <= column < camera.width):
         return False
-    return any(_hides(heights, rates, camera_height, column, last, row, side, disparity) for side in (-1, 1))
+    return any(_hides(camera, depth, last, beyond, side) for side in (-1, 1))
 
 
-def _hides(heights, rates, camera_height, column: int, last: int, row: int, side: int, disparity: float) -> bool:
+def _hides(camera: Camera, depth: np.ndarray, last: tuple[int, int], beyond: tuple[int, int], side: int) -> bool:
     """Whether the first thing that is seen on that side stands, near enough, with hardly anything in between."""
-    for away in range(1, heights.shape[1]):
+    row, column = beyond
+    _, _, up = (axis.table() for axis in scan_axes(camera))
+    disparity = camera.baseline * camera.intrinsics.fx
+    for away in range(1, camera.width):
         beside = column + side * away
-        if not 0 <= beside < heights.shape[1]:
+        if not 0 <= beside < camera.width:
             return False
-        if np.isnan(heights[row, beside]):
+        metres = usable(camera, depth, row, beside)
+        if metres is None:
             continue
-        if float(heights[row, beside]) < of_shadow.STANDING:
+        if metres * up[row, beside] + camera.floor.d < of_shadow.STANDING:
             return False
-        depth = float((camera_height - heights[row, beside]) / (rates.columns[beside] + rates.rows[row]))
-        floor = float((rates.columns[column] + rates.rows[row]) / camera_height)
-        if away > disparity * (np.divide(1.0, depth) - floor) + of_shadow.SLACK:
+        floor = -up[row, column] / camera.floor.d
+        if away > disparity * (1.0 / metres - floor) + of_shadow.SLACK:
             return False
-        between = [heights[last, column + side * k] for k in range(of_shadow.BESIDE + 1, away)]
-        returns = sum(not np.isnan(each) for each in between)
+        between = [usable(camera, depth, last[0], last[1] + side * k) for k in range(of_shadow.BESIDE + 1, away)]
+        returns = sum(each is not None for each in between)
         return returns <= of_shadow.SEEN * max(away - of_shadow.BESIDE, 0)
     return False
+
+
+def usable(camera: Camera, depth: np.ndarray, row: int, column: int) -> float | None:
+    """A pixel's depth [m] if it is a measurement."""
+    if not 0 <= column < camera.width:
+        return None
+    millimetres = int(depth[row, column])
+    return float(METRES * millimetres) if camera.range[0] * 1000 <= millimetres <= camera.range[1] * 1000 else None

@@ -78,6 +78,11 @@ class Region(NamedTuple):
         """All pixels of an image."""
         return cls(0, 0, width - 1, height - 1)
 
+    @classmethod
+    def part(cls, corners: tuple[int, int, int, int] | None, width: int, height: int) -> Region | None:
+        """The region of these corners, None where it is all of the image: what Camera takes."""
+        return None if corners is None or corners == cls.whole(width, height) else cls(*corners)
+
 
 @dataclass(frozen=True)
 class Camera:

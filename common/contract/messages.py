@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Annotated, Literal, Self
+from typing import Annotated, Any, Literal, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,12 +28,17 @@ Name = Annotated[str, limits.NAME]
 Seconds = Annotated[float, limits.SECONDS]
 Vector2 = Annotated[tuple[float, float], ListAsTuple]
 Vector4 = Annotated[tuple[float, float, float, float], ListAsTuple]
-Columns4 = Annotated[tuple[int, int, int, int] | None, ListAsTuple]
+Corners = Annotated[tuple[int, int, int, int], ListAsTuple]
 
 State = Literal["starting", "working", "waiting"]  # waiting: for a device
 
 TURN = 2 * math.pi
 ANGLE_SLACK = 1.5  # increments: drivers of full-circle scanners disagree whether angle_max is a beam
+
+
+def _whole(image: dict[str, Any]) -> Region:
+    """All pixels of an image that is being read."""
+    return Region.whole(image["width"], image["height"])
 
 
 class DepthImage(Message):
@@ -51,7 +56,7 @@ class DepthImage(Message):
     floor: Vector4  # nx, ny, nz, d [m] in the optical frame
     noise: float = KINECT_NOISE  # [1/m] standard deviation of the inverse depth, steps included
     baseline: float = KINECT_BASELINE  # [m] between the sensor's two eyes
-    region: Columns4 = None  # first column, first row, last column, last row that can carry a return; None = all
+    region: Corners = Field(default_factory=_whole)  # first column and row, last column and row that can carry a return
     _depth: NDArray[np.uint16] = PrivateAttr()
     _camera: Camera = PrivateAttr()
 
@@ -65,7 +70,7 @@ class DepthImage(Message):
             FloorPlane(*self.floor),
             self.noise,
             self.baseline,
-            Region(*self.region) if self.region else None,
+            Region.part(self.region, self.width, self.height),
         )
         check_camera(self._camera)
         self._depth = depth_codec.decode(self.data, self.encoding, self.width, self.height)

@@ -73,7 +73,7 @@ class CameraFile(FrameOverride):
             FloorPlane(*floor),
             self.noise,
             self.baseline,
-            self.region and Region(*self.region),
+            Region.part(self.region, self.width, self.height),
         )
 
 

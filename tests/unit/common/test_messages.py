@@ -9,6 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from cliffscan.common.contract import depth_codec
+from cliffscan.common.contract.camera import KINECT_BASELINE, KINECT_NOISE
 from cliffscan.common.contract.message import MessageError
 from cliffscan.common.contract.messages import DepthImage, LaserScan, ServiceStatus
 from tests import build
@@ -46,7 +47,29 @@ def test_the_pixels_of_a_foreign_frame_run_by_rows_from_the_top_left():
     assert (image.camera.intrinsics.fx, image.camera.intrinsics.fy) == (3.0, 2.5)
 
 
-@pytest.mark.parametrize(("kind", "name"), [pair for pair in FIELDS if pair[1] != "clear"])
+OPTIONAL = {"clear", "noise", "baseline", "region"}
+
+
+def test_a_frame_that_does_not_describe_its_sensor_is_a_kinects():
+    camera = decode(DepthImage, noise=GONE, baseline=GONE, region=GONE).camera
+    assert (camera.noise, camera.baseline, camera.region) == (KINECT_NOISE, KINECT_BASELINE, (0, 0, 2, 1))
+
+
+@pytest.mark.parametrize(
+    "region", [[0, 0, 3, 1], [0, 0, 2, 2], [-1, 0, 2, 1], [1, 0, 1, 1], [0, 1, 2, 0], [0.0, 0, 2, 1]]
+)
+def test_a_region_that_is_not_in_the_image_is_refused(region):
+    with pytest.raises(MessageError, match="region"):
+        decode(DepthImage, region=region)
+
+
+@pytest.mark.parametrize(("name", "value"), [("noise", 0.0), ("noise", 0.2), ("baseline", -0.1), ("baseline", 2.0)])
+def test_a_sensor_that_cannot_be_is_refused(name, value):
+    with pytest.raises(MessageError, match=name):
+        decode(DepthImage, **{name: value})
+
+
+@pytest.mark.parametrize(("kind", "name"), [pair for pair in FIELDS if pair[1] not in OPTIONAL])
 def test_a_missing_field_is_named(kind, name):
     with pytest.raises(MessageError, match=f"(^|; ){name}: Field required"):
         decode(kind, **{name: GONE})

@@ -67,7 +67,7 @@ def test_a_second_camera_on_the_key_is_told_of(service, taken, caplog):
 
 def test_frames_of_another_size_in_mid_stream_are_taken(service, taken):
     service.bus.arrive("camera/depth", frame(1, 10))
-    service.bus.arrive("camera/depth", frame(2, 20, width=2, height=3, intrinsics=[3, 3, 1, 1]))
+    service.bus.arrive("camera/depth", frame(2, 20, width=2, height=3, intrinsics=[3, 3, 1, 1], region=[0, 0, 1, 2]))
     assert [image.depth.shape for image in taken] == [(2, 3), (3, 2)]
 
 

@@ -12,10 +12,10 @@ from benchmarks.accuracy.cases import BUILD, Case
 from benchmarks.accuracy.frames import KNOWN, frames_of
 from cliffscan.common.contract.camera import FloorPlane
 from cliffscan.common.perception.floor_points import floor_points
+from cliffscan.services.negative.beam_lines import beam_lines, heights_along, rows_outward
 from cliffscan.services.negative.config import NegativeConfig
 from cliffscan.services.negative.floor_following import End, floor_trace, single
-from cliffscan.services.negative.methods.near_edge import rows_outward
-from tests import naive, naive_trace, scenes
+from tests import naive_trace, scenes
 
 CONFIG = NegativeConfig()
 MOUNTS = {
@@ -31,19 +31,21 @@ def mounted(width, height, mount):
     return scenes.camera(width, height, FloorPlane.from_mount(mount[0], *np.radians(mount[1:])))
 
 
-def assert_traced_alike(depth, camera, every=1):
+def assert_traced_alike(depth, camera, every=5):
     """Both traces of every so many columns are the same to the last bit; how they ended."""
     seen = floor_points(depth, camera, lower_than=CONFIG.floor_band)
     criteria, height = CONFIG.criteria(camera), np.float32(camera.floor.d)
-    order, rates = rows_outward(seen.region, criteria), seen.region.up.single(-1.0)
-    assert order.tolist() == naive.rows_outward(seen.region, criteria)
+    lines = beam_lines(seen.region, CONFIG.grid(), 1)
+    order = rows_outward(seen.region, lines, criteria.far)
     if not len(order):
         return set()
-    ends, *traced = floor_trace(seen.heights, order, rates, height, single(criteria))
-    for column in range(0, len(ends), every):
-        slow = naive_trace.floor_trace(seen.heights, order, rates, height, criteria, column)
-        fast = End(int(ends[column])), *(each[column] for each in traced)
-        assert fast == slow, f"column {column}"
+    heights, *span = heights_along(seen, lines, order)
+    ends, *traced = floor_trace(heights, order, lines, *span, height, single(criteria))
+    view = naive_trace.View(lines, *span)
+    for line in range(0, len(ends), every):
+        slow = naive_trace.floor_trace(heights, order, view, height, criteria, line)
+        fast = End(int(ends[line])), *(each[line] for each in traced)
+        assert fast == slow, f"line {line}"
     return {End(int(end)) for end in ends}
 
 
@@ -72,7 +74,7 @@ def test_every_end_is_met():
 def test_a_step_down(fall):
     camera = mounted(320, 240, MOUNTS["pitched"])
     depth = scenes.depth(camera, [(2.0, -5.0, -fall, 9.0, 5.0, 0.0)], wall=9.0)
-    assert (End.DROP in assert_traced_alike(depth, camera, every=9)) == (fall == 0.05)
+    assert (End.DROP in assert_traced_alike(depth, camera, every=19)) == (fall == 0.05)
 
 
 def test_floor_that_is_lost_before_a_box():
@@ -83,7 +85,7 @@ def test_floor_that_is_lost_before_a_box():
     for rows in range(1, 9):
         lost = depth.copy()
         lost[foot : foot + rows] = 0
-        met |= assert_traced_alike(lost, camera, every=9)
+        met |= assert_traced_alike(lost, camera, every=19)
     assert met == {End.OCCLUDED, End.NO_RETURN}
 
 

@@ -11,8 +11,7 @@ from numpy.testing import assert_allclose
 from cliffscan.common.contract.camera import FloorPlane
 from cliffscan.common.contract.depth_codec import LEVELS, RAW
 from cliffscan.common.contract.messages import DepthImage
-from cliffscan.common.perception.floor_points import FloorPoints
-from cliffscan.common.perception.image_region import image_region
+from cliffscan.common.perception.floor_points import floor_points
 from cliffscan.services.positive.__main__ import serve
 from cliffscan.services.positive.config import PositiveConfig
 from cliffscan.services.positive.projection import projection
@@ -66,7 +65,8 @@ def test_what_is_between_the_floor_and_the_robots_height_is_in_the_way(bottom, t
 )
 def test_the_floor_band_and_the_robots_height_belong_to_themselves(height, found):
     everywhere = np.full((48, 64), height, np.float32), np.full((48, 64), 2.0, np.float32)
-    seen = FloorPoints(*everywhere, image_region(scenes.camera(), math.inf))
+    seen = floor_points(np.zeros((48, 64), np.uint16), scenes.camera())
+    vars(seen)["_points"] = everywhere
     np.testing.assert_array_equal(projection(seen, CONFIG.grid(), 0.03, 0.42, 0.0), np.full(31, found, np.float32))
 
 
