@@ -25,9 +25,12 @@ def floor_trace(
     trace = Trace(Sensor(view, order, camera_height, criteria, line))
     with np.errstate(all="ignore"):
         for index, row in enumerate(order):
-            if not trace.sensor.begun(int(row)):
-                continue
-            trace.look(int(row), filled(heights, index, line, trace.sensor.criteria.step))
+            height = filled(heights, index, line, trace.sensor.criteria.step)
+            rows = f32(abs(int(row) - int(order[index - 1]))) if index else f32(1)
+            if trace.sensor.begun(int(row)):
+                trace.look(int(row), height)
+            if trace.end is End.GOING:
+                trace.follow_fall(int(row), height, rows)
             if trace.end is not End.GOING:
                 break
     return trace.result()
@@ -98,9 +101,9 @@ class Trace:
         self.below = f32(0)  # rows since floor was seen, those far below counted more
         self.deep = self.above = 0  # rows since floor was seen
         self.doubtful, self.sure, self.sure_level = False, NEVER, f32(0)
+        self.brink, self.brink_level = NEVER, f32(0)  # where it was even last
         self.usual = f32(0)  # level of the last while
-        self.even = (NEVER, f32(0), f32(0))  # row, depth and level at which it was not yet falling away
-        self.brink = None  # the same, from which it has fallen away
+        self.fallen = False  # away from there
 
     @property
     def started(self) -> bool:
@@ -122,12 +125,8 @@ class Trace:
         if not (seen and least_angle >= criteria.grazing):
             recent = self.started and not self.doubtful and since_rows <= of_trace.RECENT_ROWS
             self.end = End.REACHED_RANGE if recent else End.UNVERIFIED
-            if not missing:
-                self._back(height)
             return
         if depth < criteria.near:
-            if not missing:
-                self._back(height)
             return
         gap = self.started and since_rows > of_trace.NO_RETURN_ROWS and since > criteria.gap
         gap = gap and self.rough < of_trace.NO_RETURN_ROUGHNESS * criteria.noise
@@ -143,53 +142,51 @@ class Trace:
         large = slack + criteria.step + of_trace.DEEP_SIGMAS * sigma
         high = may_rise + criteria.step + of_trace.ABOVE_SIGMAS * criteria.noise * deviation
         fall = self.level - height
-        steepest = of_trace.FALLEN + of_trace.FALLEN_SIGMAS * criteria.noise * deviation
-        kerb = self._fallen(height, fall > steepest, depth)
         if fall > small:
-            self._below(fall > large, fall > of_trace.STRONG_FALL * small, fall, height, depth, since, kerb)
+            self._below(fall > large, fall > of_trace.STRONG_FALL * small, fall, height, depth, since)
         elif -fall > high:
             self.above += 1
             if self.above >= of_trace.OBSTACLE_ROWS:
                 self.end = End.NO_RETURN if gap else End.OCCLUDED
         elif self.below > of_trace.BESIDE_ROWS and self.started:
             self.end = End.DROP  # floor on the far side of something that lies below it
-        elif not kerb:
-            self._floor(height, fall, rate, depth, since, may_fall, may_rise)
-        if kerb:
-            self.end = End.DROP
-        elif self.last == row and (fall < f32(0.5) * steepest or self.even[0] == NEVER):
-            self.even = (row, depth, self.level)
-
-    def _fallen(self, height: f32, falls_away: bool, depth: f32) -> bool:
-        """Whether floor has fallen by a kerb from where it was even, for so long that it is another floor."""
-        if self.started and falls_away and self.brink is None:
-            row, from_depth, level = self.even
-            self.brink = row, from_depth, min(level, self.usual)
-            self._back(height, keep=True)
         else:
-            self._back(height)
-        if self.brink is None:
-            return False
-        row, from_depth, level = self.brink
-        far = depth - from_depth >= of_trace.KERB_LENGTH and abs(row - self.row) >= of_trace.KERB_ROWS
-        return bool(level - height >= of_trace.KERB and far)
+            self._floor(height, fall, rate, depth, since, may_fall, may_rise)
 
-    def _back(self, height: f32, keep: bool = False) -> None:
-        """It has not fallen away where it is back at its height."""
-        if self.brink is not None and not keep and not self.brink[2] - height >= of_trace.KERB:
-            self.brink = None
+    def follow_fall(self, row: int, height: f32, rows: f32) -> None:
+        """Whether floor has fallen by a kerb from where it was even, for so long that it is another floor."""
+        sensor = self.sensor
+        if not self.started or np.isnan(height):
+            return
+        rate, step = sensor.fall(row), sensor.lines.fall_step[sensor.line]
+        depth, lag = (sensor.height - self.level) / rate, self.level - height
+        least = of_trace.LAG + of_trace.LAG_SIGMAS * sensor.criteria.noise * depth * sensor.height
+        low = min(self.brink_level, self.usual) - height >= of_trace.KERB
+        self.fallen = bool(low if self.fallen else lag > least)
+        if self.fallen:
+            length = depth - (sensor.height - self.brink_level) / sensor.fall(self.brink)
+            if low and length >= of_trace.KERB_LENGTH and abs(self.brink - row) >= of_trace.KERB_ROWS:
+                self.end = End.DROP
+            return
+        if self.last != row:
+            return
+        share = rows * depth * depth * abs(step) / (sensor.height * of_trace.USUAL_LENGTH)
+        share = share if share < 1 and self.brink != NEVER else f32(1)
+        self.usual = self.usual + share * (self.level - self.usual)
+        if lag < of_trace.STILL * least or self.brink == NEVER:
+            self.brink, self.brink_level = row, self.level
 
-    def _below(self, deep: bool, strong: bool, fall: f32, height: f32, depth: f32, since: f32, kerb: bool) -> None:
+    def _below(self, deep: bool, strong: bool, fall: f32, height: f32, depth: f32, since: f32) -> None:
         """Something lower than floor can be: a drop, or after some rows of it, none of them deep, a step down."""
         self.below += of_trace.STRONG_ROWS if strong else f32(1)
         self.deep += deep
         settled = self.below >= of_trace.STEP_ROWS and not self.deep
         if self.deep >= of_trace.DEEP_ROWS or (settled and fall > self.sensor.criteria.step):
             self.end = End.DROP
-        elif settled and not kerb:
+        elif settled:
             self._doubt(height, depth, since)
             self.level = height
-            self._taken(since)
+            self._taken()
 
     def _floor(self, height: f32, fall: f32, rate: f32, depth: f32, since: f32, may_fall: f32, may_rise: f32) -> None:
         """Floor: its level follows slowly; what it deviates tells how rough it is, how it changes how it inclines."""
@@ -202,7 +199,7 @@ class Trace:
         rough = self.rough + of_trace.ROUGHNESS_GAIN * (seen_rough - self.rough)
         self.rough = min(max(rough, noise), of_trace.ROUGH_MOST * noise)
         self.level = self.level + change
-        self._taken(since)
+        self._taken()
 
     def _doubt(self, height: f32, depth: f32, since: f32) -> None:
         """Floor first seen far off, or not at the plane's height, may be another floor; that beyond a gap as well."""
@@ -212,9 +209,7 @@ class Trace:
             doubt = depth > self.sensor.latest or abs(height) > of_trace.STRANGE_HEIGHT or self.below > 0
         self.doubtful = self.doubtful or doubt
 
-    def _taken(self, since: f32) -> None:
-        share = since / of_trace.USUAL_LENGTH if since < of_trace.USUAL_LENGTH else f32(1)
-        self.usual = self.usual + (share if self.started else f32(1)) * (self.level - self.usual)
+    def _taken(self) -> None:
         self.last, self.below, self.deep, self.above = self.row, f32(0), 0, 0
         if not self.doubtful:
             self.sure, self.sure_level = self.row, self.level
@@ -224,8 +219,8 @@ class Trace:
             seen = self.started and not self.doubtful and self.rows_since() <= of_trace.RECENT_ROWS
             self.end = End.REACHED_RANGE if seen else End.UNVERIFIED
         last, level, sure, sure_level = self.last, self.level, self.sure, self.sure_level
-        if self.brink is not None and (self.brink[0] - last) * self.sensor.downward > 0:
-            last, _, level = self.brink
+        if self.fallen and (self.brink - last) * self.sensor.downward > 0:
+            last, level = self.brink, min(self.brink_level, self.usual)
             self.end = self.end if self.end in (End.DROP, End.NO_RETURN) else End.UNVERIFIED
             if (last - sure) * self.sensor.downward > 0:
                 sure, sure_level = last, level

@@ -28,7 +28,7 @@ import numpy as np
 from numba import njit
 
 from cliffscan.common.perception.floor_points import Metres
-from cliffscan.services.negative.beam_lines import BeamLines, Rows
+from cliffscan.services.negative.beam_lines import NOWHERE, BeamLines, Rows
 
 N = TypeVar("N", float, np.float32)
 f32 = np.float32
@@ -73,11 +73,13 @@ DEEP_ROWS = f32(2.0)  # rows far below that make a drop
 STEP_ROWS = f32(5.0)  # rows below that tell a drop from a step down
 STRONG_FALL, STRONG_ROWS = f32(1.25), f32(1.1)  # times the least fall, from which a row counts for that many
 BESIDE_ROWS = f32(1.0)  # more rows below than that, and then floor again, are a hole
-# Fallen away: stereo smears a kerb's face into a slope, and what is rough is allowed more; but a ramp goes on
-FALLEN, FALLEN_SIGMAS = f32(0.012), f32(3.0)  # [m] and sigmas below the steepest ramp, from which floor is watched
-USUAL_LENGTH = f32(0.3)  # [m] of floor whose level counts where a bump before is higher
-KERB = f32(0.05)  # [m] below where it fell: less is uneven floor
-KERB_LENGTH, KERB_ROWS = f32(0.5), f32(5.0)  # [m] and rows over which it stays so low that it is another floor
+# Fallen away
+LAG, LAG_SIGMAS = f32(0.012), f32(3.0)  # [m] and sigmas of noise below its level, from which floor falls away
+STILL = f32(0.5)  # of that, up to which it does not yet
+KERB = f32(0.05)  # [m] below the brink; less is uneven floor
+KERB_LENGTH, KERB_ROWS = f32(0.5), f32(5.0)  # [m] of depth and rows, over which it stays so low
+LEAST_LENGTH = f32(0.001)  # [m] of floor that falls, but not yet so low
+USUAL_LENGTH = f32(0.3)  # [m] of floor whose level counts, where a bump at the brink is higher
 # Above the floor: an obstacle
 ABOVE_SIGMAS = f32(4.0)  # a height that is higher by a step and more sigmas of noise is above
 OBSTACLE_ROWS = f32(2.0)  # rows above that make an obstacle
@@ -98,7 +100,7 @@ ROUGH_FROM, ROUGH_MOST = f32(2.5), f32(6.0)  # noises from which roughness count
 UNSEEN_SLOPE = f32(0.0875)  # that the floor may have before the camera sees it
 
 # All state is float32, rows and counts as well: lanes of one width are what the processor's vectors are made of.
-ZERO, ONE, HALF, NAN, NOWHERE = f32(0.0), f32(1.0), f32(0.5), f32(np.nan), f32(-1.0)
+ZERO, ONE, HALF, NAN = f32(0.0), f32(1.0), f32(0.5), f32(np.nan)
 GOING, REACHED_RANGE, DROP, NO_RETURN, OCCLUDED, UNVERIFIED = (f32(end) for end in End)
 
 
@@ -143,6 +145,50 @@ def latest_depth(fall: np.float32, camera_height: np.float32, spread: np.float32
 
 
 @njit(cache=True, error_model="numpy")
+def follow_fall(
+    at: np.float32,
+    rows: np.float32,
+    heights: Metres,
+    lines: BeamLines,
+    camera_height: np.float32,
+    noise: np.float32,
+    going: Metres,
+    floor_row: Metres,
+    level: Metres,
+    brink_row: Metres,
+    brink_level: Metres,
+    usual: Metres,
+    fallen: Metres,
+) -> None:
+    """Keep, row by row, where the floor of each line was even, and how far [m] it has fallen away since.
+
+    at: the row, `rows` beyond the one before; heights [m] in it; going: negative, of lines that are still followed;
+    floor_row, level [m]: where floor was seen last, this row included. Changed in place: the brink's row and level,
+    the usual level [m], and the depth [m] over which floor has fallen, 0 = it has not; (lines,) each.
+    """
+    for u in range(len(heights)):
+        height, here, brink, brink_height = heights[u], level[u], brink_row[u], brink_level[u]
+        last_usual, fallen_before, was_fallen = usual[u], fallen[u], fallen[u] > ZERO
+        step = lines.fall_step[u]
+        fall = lines.fall[u] + at * step
+        depth = (camera_height - here) / fall
+        lag, least = here - height, LAG + LAG_SIGMAS * noise * depth * camera_height
+        seen = (going[u] < ZERO) & (floor_row[u] >= ZERO) & (height == height)
+        low = (brink_height if brink_height < last_usual else last_usual) - height >= KERB
+        is_fallen = (low if was_fallen else lag > least) if seen else was_fallen
+        since = depth - (camera_height - brink_height) / (lines.fall[u] + brink * step)
+        floor = seen & (floor_row[u] == at) & (not is_fallen)
+        even = floor & ((lag < STILL * least) | (brink < ZERO))
+        share = rows * depth * depth * abs(step) / (camera_height * USUAL_LENGTH)
+        share = share if (share < ONE) & (brink >= ZERO) else ONE
+        brink_row[u] = at if even else brink
+        brink_level[u] = here if even else brink_height
+        usual[u] = last_usual + share * (here - last_usual) if floor else last_usual
+        length = since if low & (abs(brink - at) >= KERB_ROWS) else LEAST_LENGTH
+        fallen[u] = (length if seen else fallen_before) if is_fallen else ZERO
+
+
+@njit(cache=True, error_model="numpy")
 def floor_trace(
     heights: Metres,
     order: Rows,
@@ -169,12 +215,11 @@ def floor_trace(
     roughness = np.full(many, noise)  # [1/m] of inverse depth, as noise
     rows_below, rows_deep = np.zeros(many, np.float32), np.zeros(many, np.float32)  # since floor was seen
     rows_above = np.zeros(many, np.float32)
-    brink_row, brink_level = np.full(many, NOWHERE), np.zeros(many, np.float32)  # from which floor has fallen away,
-    brink_depth = np.zeros(many, np.float32)  # [m]
-    even_row, even_level = np.full(many, NOWHERE), np.zeros(many, np.float32)  # where it was not yet falling
-    even_depth, usual = np.zeros(many, np.float32), np.zeros(many, np.float32)  # [m]; level of the last USUAL_LENGTH
+    brink_row, brink_level = np.full(many, NOWHERE), np.zeros(many, np.float32)  # as follow_fall has them
+    usual, fallen = np.zeros(many, np.float32), np.zeros(many, np.float32)
     outward = ONE if order[0] > order[-1] else -ONE  # how many rows nearer is the row of the next higher number
     spread, latest = np.empty(many, np.float32), np.empty(many, np.float32)
+    fall_at_0, fall_step, from_row, to_row = lines.fall.copy(), lines.fall_step.copy(), first.copy(), last.copy()
     for u in range(many):
         spread[u] = abs(lines.fall_step[u]) / camera_height
         latest[u] = latest_depth(lines.fall[u] + first[u] * lines.fall_step[u], camera_height, spread[u], grazing)
@@ -187,18 +232,18 @@ def floor_trace(
             height, ended, last_row, last_sure = filled[u], end[u], floor_row[u], sure_row[u]
             last_level, last_incline, last_rough = level[u], incline[u], roughness[u]
             below, deep, above = rows_below[u], rows_deep[u], rows_above[u]
-            begun = (first[u] - at) * outward >= ZERO
+            begun = (from_row[u] - at) * outward >= ZERO
             active, started, missing = (ended < ZERO) & begun, last_row >= ZERO, height != height
             doubtful = last_sure != last_row
 
             # where the floor would be seen, and how far that is from where it last was
-            rate = lines.fall[u] + at * lines.fall_step[u]
+            rate = fall_at_0[u] + at * fall_step[u]
             shown, falls, rises = allowances(rate, camera_height, criteria)
             depth = (camera_height - last_level) / rate
             rows_since = (last_row - at) * outward if started else ONE
             since = rows_since * depth * depth * spread[u]
             falling = last_incline if last_incline < ZERO else ZERO
-            in_range = (rate > ZERO) & (depth <= far) & (rate >= grazing) & ((at - last[u]) * outward >= ZERO)
+            in_range = (rate > ZERO) & (depth <= far) & (rate >= grazing) & ((at - to_row[u]) * outward >= ZERO)
             in_range = in_range & ((not missing) | (rate + falling >= grazing))
             looking = active & in_range & (depth >= near)
 
@@ -224,17 +269,6 @@ def floor_trace(
             settled = is_below & (below >= STEP_ROWS) & (deep < ONE)
             step_down = settled & (fall <= step)
 
-            # how it has fallen away, by more than the steepest ramp
-            steepest = FALLEN + FALLEN_SIGMAS * noise * deviation
-            falls_away = looking & started & (fall > steepest) & (brink_row[u] < ZERO)
-            brink = even_row[u] if falls_away else brink_row[u]
-            from_depth = even_depth[u] if falls_away else brink_depth[u]
-            lower = even_level[u] if even_level[u] < usual[u] else usual[u]
-            from_level = lower if falls_away else brink_level[u]
-            fallen = (brink >= ZERO) & (from_level - height >= KERB)
-            far_fallen = (depth - from_depth >= KERB_LENGTH) & ((brink - at) * outward >= KERB_ROWS)
-            back = (not missing) & (not fallen) & (not falls_away)
-            kerb = looking & fallen & far_fallen
             gap = started & (rows_since > NO_RETURN_ROWS) & (since > criteria.gap)
             gap = gap & (last_rough < NO_RETURN_ROUGHNESS * noise)
 
@@ -245,10 +279,10 @@ def floor_trace(
             verdict = GOING if in_range else (UNVERIFIED if unverified else REACHED_RANGE)
             verdict = (NO_RETURN if gap else OCCLUDED) if occluded else verdict
             verdict = NO_RETURN if looking & missing & gap else verdict
-            verdict = DROP if drop | kerb else verdict
+            verdict = DROP if drop else verdict
 
             # and how the floor goes on, if not
-            take = (is_floor | step_down) & (not drop) & (not kerb)
+            take = (is_floor | step_down) & (not drop)
             smooth = is_floor & take
             strange = (depth > latest[u]) | (height > STRANGE_HEIGHT) | (height < -STRANGE_HEIGHT) | (below > ZERO)
             skipped = (rows_since > SKIPPED_ROWS) & (since > SKIPPED_LENGTH)
@@ -263,8 +297,6 @@ def floor_trace(
             change = change if started else -fall
             inclined = last_incline + (change - last_incline * since) / INCLINE_LENGTH
             new_level = height if step_down else last_level + change
-            share = since / USUAL_LENGTH if since < USUAL_LENGTH else ONE
-            now_usual = usual[u] + (share if started else ONE) * (new_level - usual[u])
 
             end[u] = verdict if active else ended
             floor_row[u] = at if take else last_row
@@ -277,14 +309,13 @@ def floor_trace(
             roughness[u] = rough if smooth else last_rough
             rows_below[u], rows_deep[u] = ZERO if take else below, ZERO if take else deep
             rows_above[u] = ZERO if take else above
-            brink_row[u] = brink_row[u] if not active else (NOWHERE if back else brink)
-            brink_depth[u], brink_level[u] = from_depth, from_level
-            usual[u] = now_usual if take else usual[u]
-            even = take & ((fall < HALF * steepest) | (not started))
-            even_row[u] = at if even else even_row[u]
-            even_depth[u], even_level[u] = depth if even else even_depth[u], new_level if even else even_level[u]
+        rows = abs(at - np.float32(order[index - 1])) if index else ONE
+        follow_fall(
+            at, rows, filled, lines, camera_height, noise, end, floor_row, level, brink_row, brink_level, usual, fallen
+        )
         going = 0
         for u in range(many):
+            end[u] = DROP if end[u] < ZERO and fallen[u] >= KERB_LENGTH else end[u]
             going += 1 if end[u] < ZERO else 0
         if going == 0:
             break
@@ -294,12 +325,11 @@ def floor_trace(
             end[u] = REACHED_RANGE if recent and sure_row[u] == floor_row[u] else UNVERIFIED
         if sure_row[u] == floor_row[u]:
             sure_level[u] = level[u]
-        if brink_row[u] >= ZERO and (brink_row[u] - floor_row[u]) * outward > ZERO:
-            # what lies beyond a brink is no floor for sure
-            floor_row[u], level[u] = brink_row[u], brink_level[u]
+        if fallen[u] > ZERO and (brink_row[u] - floor_row[u]) * outward > ZERO:  # what lies beyond is no floor for sure
+            floor_row[u], level[u] = brink_row[u], min(brink_level[u], usual[u])
             end[u] = end[u] if end[u] == DROP or end[u] == NO_RETURN else UNVERIFIED
             if (brink_row[u] - sure_row[u]) * outward > ZERO:
-                sure_row[u], sure_level[u] = brink_row[u], brink_level[u]
+                sure_row[u], sure_level[u] = floor_row[u], level[u]
         if end[u] == DROP and floor_row[u] == NOWHERE:
             floor_row[u] = first[u]
     return end, floor_row, level, sure_row, sure_level
