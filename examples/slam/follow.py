@@ -3,7 +3,8 @@
 import logging
 import threading
 from collections import deque
-from typing import NamedTuple
+from collections.abc import Callable
+from typing import NamedTuple, TypeVar
 
 from examples.slam.pose import Pose
 from examples.slam.wire import UNDESCRIBED, Camera, Odometry, Scan, WireError, read_camera, read_odometry, read_scan
@@ -11,6 +12,8 @@ from examples.slam.wire import UNDESCRIBED, Camera, Odometry, Scan, WireError, r
 REMEMBERED = 500  # poses: ten seconds at 50 Hz
 WAITING = 64  # scans that may wait: two seconds at 30 Hz
 TOLD_EVERY = 100  # bad samples
+
+Message = TypeVar("Message")
 
 log = logging.getLogger(__name__)
 
@@ -69,32 +72,15 @@ class Follower:
 
     def receive_scan(self, payload: bytes) -> None:
         """Take in a LaserScan's bytes."""
-        try:
-            scan = read_scan(payload)
-        except WireError as error:
-            self._warn(error)
-            return
-        with self._changed:
-            self._scans.append(scan)
-            self._changed.notify()
+        self._receive(payload, read_scan, self._scans.append)
 
     def receive_odometry(self, payload: bytes) -> None:
         """Take in an Odometry's bytes."""
-        try:
-            odometry = read_odometry(payload)
-        except WireError as error:
-            self._warn(error)
-            return
-        with self._changed:
-            self._trail.add(odometry)
-            self._changed.notify()
+        self._receive(payload, read_odometry, self._trail.add)
 
     def receive_description(self, payload: bytes) -> None:
         """Take in a RobotDescription's bytes."""
-        try:
-            self._camera = read_camera(payload) or self._camera
-        except WireError as error:
-            self._warn(error)
+        self._receive(payload, read_camera, self._describe)
 
     def next(self, timeout: float) -> Sighting | None:
         """The next scan whose pose is known, in order of arrival; None where there is none within `timeout` [s].
@@ -112,7 +98,18 @@ class Follower:
                 return Sighting(scan, pose, self._camera)
         return None
 
-    def _warn(self, error: WireError) -> None:
-        if self._bad % TOLD_EVERY == 0:
-            log.warning("dropped a bad sample, number %d: %s", self._bad + 1, error)
-        self._bad += 1
+    def _describe(self, camera: Camera | None) -> None:
+        self._camera = camera or self._camera
+
+    def _receive(self, payload: bytes, read: Callable[[bytes], Message], take: Callable[[Message], None]) -> None:
+        """Have a message taken in; a bad one is dropped and counted."""
+        try:
+            message = read(payload)
+        except WireError as error:
+            if self._bad % TOLD_EVERY == 0:
+                log.warning("dropped a bad sample, number %d: %s", self._bad + 1, error)
+            self._bad += 1
+            return
+        with self._changed:
+            take(message)
+            self._changed.notify()

@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass
+from typing import TypeGuard
 
 import msgpack
 import numpy as np
@@ -148,13 +149,13 @@ def _stamp(fields: dict[str, object]) -> int:
     return stamp
 
 
-def _is_number(value: object) -> bool:
+def _is_number(value: object) -> TypeGuard[float]:
     return isinstance(value, int | float) and math.isfinite(value)
 
 
 def _number(fields: dict[str, object], name: str) -> float:
     value = fields.get(name)
-    if not isinstance(value, int | float) or not math.isfinite(value):
+    if not _is_number(value):
         raise WireError(f"{name}: expected a number")
     return float(value)
 
