@@ -8,9 +8,8 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from cliffscan.common.contract.camera import Floats
 from cliffscan.simulator.world import World
-
-Floats = NDArray[np.float64]
 
 ROUNDNESS = 0.5e-3  # [m] how far a prism that stands for a cylinder may be from it
 COARSEST = 0.0048  # of the radius: however thin, a cylinder has 33 sides

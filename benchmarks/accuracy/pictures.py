@@ -11,10 +11,11 @@ from benchmarks.accuracy.cases import Case, scene_of
 from benchmarks.accuracy.frames import PLANES, Frame, frames_of
 from benchmarks.accuracy.scans import ANGLES, beams_of
 from cliffscan.common.contract.beam_fields import Ranges
+from cliffscan.common.contract.camera import Floats
 from evaluation import palette
 from evaluation.pictures.plan import Extent, area, dots, draw_pieces, line, prepare
 from evaluation.pictures.sheet import Panel, label, write_sheet
-from evaluation.scenes.polygons import Floats, direction
+from evaluation.scenes.polygons import direction
 from evaluation.scenes.scene import Scene
 from evaluation.score import judge
 from evaluation.truth.beam_truth import Truth

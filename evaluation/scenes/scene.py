@@ -8,9 +8,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from cliffscan.common.contract.camera import Floats
 from cliffscan.simulator.faces import circle
 from cliffscan.simulator.truth import BODY, Outline
-from evaluation.scenes.polygons import Floats, around, rectangle
+from evaluation.scenes.polygons import around, rectangle
 
 GROUND = rectangle(np.array([6.0, 0.0]), 16.0, 20.0, 0.0)  # farther than any sensor sees
 TALL = 2.5  # [m] of a wall

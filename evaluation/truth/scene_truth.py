@@ -7,9 +7,9 @@ import math
 
 import numpy as np
 
-from cliffscan.common.contract.camera import Camera
+from cliffscan.common.contract.camera import Camera, Floats
 from cliffscan.simulator.truth import BODY
-from evaluation.scenes.polygons import Floats, crossing
+from evaluation.scenes.polygons import crossing
 from evaluation.scenes.scene import Scene
 from evaluation.truth.beam_truth import Truth
 from evaluation.truth.sight import ROWS_BEFORE, in_view, row_spacing, unobstructed

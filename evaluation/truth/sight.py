@@ -4,10 +4,10 @@ import math
 
 import numpy as np
 
-from cliffscan.common.contract.camera import Camera
+from cliffscan.common.contract.camera import Camera, Floats
 from cliffscan.simulator.kinect import KinectModel
 from evaluation.scenes.mounts import pose
-from evaluation.scenes.polygons import Floats, crossing
+from evaluation.scenes.polygons import crossing
 from evaluation.scenes.scene import Scene
 from evaluation.truth.beam_truth import Mask
 

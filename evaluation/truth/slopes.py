@@ -4,8 +4,7 @@ import math
 
 import numpy as np
 
-from cliffscan.common.contract.camera import Camera
-from evaluation.scenes.polygons import Floats
+from cliffscan.common.contract.camera import Camera, Floats
 from evaluation.scenes.scene import Ramp
 from evaluation.truth.sight import GRAZING, floor_points, pixels
 

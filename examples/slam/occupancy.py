@@ -70,7 +70,7 @@ class OccupancyGrid:
         return True
 
     def _cells(self, points: Floats) -> Cells:
-        """(2, points) row and column, counted from the map's origin, of the cell at each x, y [m]; too far is not told."""
+        """(2, points) row and column, from the map's origin, of the cell at each x, y [m]; the farthest are clipped."""
         return np.clip(np.floor(points[::-1] / self._resolution), -LARGEST, LARGEST).astype(np.int64)
 
 
