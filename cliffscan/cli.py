@@ -19,7 +19,7 @@ from cliffscan.common.runtime.service import USAGE_ERROR, StopSignal, connect, p
 from cliffscan.drive import PRIORITY, drive
 from cliffscan.echo import echo
 from cliffscan.listing import list_keys, list_robots
-from cliffscan.liveness import alive
+from cliffscan.live import alive
 from cliffscan.run import add_run
 from cliffscan.services.capture.config import CaptureConfig
 from cliffscan.simulator.world_names import RANDOM, world_names

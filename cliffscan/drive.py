@@ -13,12 +13,12 @@ import termios
 import threading
 import time
 from contextlib import suppress
-from typing import Protocol, Self
+from typing import Self
 
 from cliffscan.common.contract.base_messages import Velocity
 from cliffscan.common.contract.message import MessageError
 from cliffscan.common.contract.topics import VELOCITY, command
-from cliffscan.common.runtime.bus import Bus
+from cliffscan.common.runtime.bus import Bus, Publisher
 from cliffscan.common.runtime.service import USAGE_ERROR, StopSignal
 from cliffscan.dashboard import Board, lines, screen
 from cliffscan.hang_up import hang_up_stops
@@ -85,7 +85,7 @@ def _follow(stop: StopSignal, pad: KeyPad, terminal: Terminal, orders: Orders, w
 class Wheels:
     """Says the velocity: at once when it changes, every PERIOD while it is wanted, and zero at the end."""
 
-    def __init__(self, publisher: Says) -> None:
+    def __init__(self, publisher: Publisher[Velocity]) -> None:
         self.due = 0.0  # [s] when turn() is to be called again
         self._publisher = publisher
         self._motion: Motion | None = None
@@ -114,13 +114,6 @@ class Wheels:
                 stamp=time.time_ns(), linear=motion.linear, angular=motion.angular, source=SOURCE, priority=PRIORITY
             )
         )
-
-
-class Says(Protocol):
-    """Publishes velocities."""
-
-    def put(self, message: Velocity) -> None:
-        """Send one."""
 
 
 class Terminal:

@@ -193,7 +193,7 @@ class System:
             entered.enter_context(self.supervisor)
             self.supervisor.start("router", self.plan.router(), ground=True)
             self.bus = entered.enter_context(self._connect())
-            self.bus.watch_alive(self._changed)
+            self.bus.watch_alive(self.changed)
             for name in FIRST:
                 self.supervisor.start(name, self.plan.service(name))
             self._base = self.plan.base_processes()
@@ -231,7 +231,8 @@ class System:
                 self._stop.wait(TURN)
         raise SystemExit(0)
 
-    def _changed(self, service: str, alive: bool) -> None:
+    def changed(self, service: str, alive: bool) -> None:
+        """A service works, or does so no longer."""
         if alive:
             self.alive.add(service)
             log.info("%s is ready", plain(service))

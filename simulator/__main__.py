@@ -12,10 +12,9 @@ from pathlib import Path
 from cliffscan.simulator.frame_server import FrameServer
 from cliffscan.simulator.kinect import kinect_camera
 from cliffscan.simulator.kobuki.__main__ import USAGE_ERROR, stop_signal
-from cliffscan.simulator.kobuki.cable import CableError
+from cliffscan.simulator.kobuki.cable import PathError
 from cliffscan.simulator.kobuki.drive import WheelModel
 from cliffscan.simulator.kobuki.runner import Runner
-from cliffscan.simulator.kobuki.server import ServerError
 from cliffscan.simulator.live import Live
 from cliffscan.simulator.robot import RobotSimulation
 from cliffscan.simulator.wire import WireError
@@ -67,7 +66,7 @@ def main() -> None:
                 opened.callback(frames.close)
             live = Live(simulation, frames, arguments.rate)
             runner = opened.enter_context(Runner.open(simulation.base, arguments.link, arguments.control, live.execute))
-        except (ValueError, WireError, OSError, CableError, ServerError) as error:
+        except (ValueError, WireError, OSError, PathError) as error:
             opened.close()
             parser.exit(USAGE_ERROR, f"simulator: {error}\n")
         simulation.frame()  # compiles

@@ -1,8 +1,6 @@
 """The rows of results, one for every case, plane mode and scan, and the figures over any of them."""
 
-import csv
 from collections.abc import Sequence
-from pathlib import Path
 from typing import NamedTuple, Self
 
 import numpy as np
@@ -95,11 +93,3 @@ def worst(rows: Sequence[Row], scan: str, plane: str, most: int) -> list[Row]:
     """The cases in which a scan is wrong most, the worst first, in one plane mode; glossy floors are not among them."""
     asked = [row for row in rows if (row.scan, row.plane) == (scan, plane) and row.case.kind != GLOSSY]
     return sorted((row for row in asked if row.wrong > 0.0), key=lambda row: row.wrong, reverse=True)[:most]
-
-
-def write_csv(rows: Sequence[Row], path: Path) -> None:
-    """Write all rows, so that the worst can be found and replayed."""
-    with path.open("w", newline="") as file:
-        writer = csv.DictWriter(file, list(rows[0].record()))
-        writer.writeheader()
-        writer.writerows(row.record() for row in rows)

@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.patches import Circle
 
 from benchmarks.falls.floor import CELL, NEAR, RADIUS, Floor, dilated
-from benchmarks.falls.outcome import Outcome, Point
+from benchmarks.falls.log import Outcome, Point
 from cliffscan.simulator.truth import outlines
 from cliffscan.simulator.world import World
 from evaluation import palette

@@ -2,9 +2,11 @@
 
 import logging
 import math
+import signal
 import sys
 import time
 from collections.abc import Callable
+from types import FrameType
 from typing import Protocol
 
 import zenoh
@@ -12,7 +14,6 @@ import zenoh
 from examples.slam import map_files
 from examples.slam import settings as command_line
 from examples.slam.follow import Follower, Sighting
-from examples.slam.life import Pace, Stop
 from examples.slam.network import Network
 from examples.slam.pose import Pose
 from examples.slam.settings import Settings
@@ -33,6 +34,34 @@ class Mapper(Protocol):
 
     def map(self) -> Map:
         """The map so far."""
+
+
+class Stop:
+    """Asked for by SIGTERM and Ctrl-C."""
+
+    def __init__(self) -> None:
+        self.asked = False
+        for number in (signal.SIGTERM, signal.SIGINT):
+            signal.signal(number, self._on_signal)
+
+    def _on_signal(self, number: int, frame: FrameType | None) -> None:  # noqa: ARG002
+        self.asked = True
+
+
+class Pace:
+    """Says when something that has to be done may be done, at most once in so many seconds."""
+
+    def __init__(self, period: float) -> None:
+        self._period = period
+        self._next = time.monotonic()
+
+    def due(self) -> bool:
+        """Whether it may be done now; if so, the next time is a period from now."""
+        now = time.monotonic()
+        if now < self._next:
+            return False
+        self._next = now + self._period
+        return True
 
 
 class Plugin:

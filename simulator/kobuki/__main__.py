@@ -7,13 +7,12 @@ import threading
 from pathlib import Path
 
 from cliffscan.simulator.kobuki.base import Base
-from cliffscan.simulator.kobuki.cable import CableError
+from cliffscan.simulator.kobuki.cable import PathError
 from cliffscan.simulator.kobuki.drive import RampedWheels, WheelModel
 from cliffscan.simulator.kobuki.firmware import DEAD_TIME, Firmware
 from cliffscan.simulator.kobuki.kinematics import Wheels
 from cliffscan.simulator.kobuki.line import Line
 from cliffscan.simulator.kobuki.runner import Runner, run
-from cliffscan.simulator.kobuki.server import ServerError
 from cliffscan.simulator.kobuki.versions import Identity, Version
 
 USAGE_ERROR = 2
@@ -70,7 +69,7 @@ def main() -> None:
         with Runner.open(base, arguments.link, arguments.control) as runner:
             log.info("ready: %s", runner.place)
             run(runner, stop)
-    except (CableError, ServerError) as error:
+    except PathError as error:
         parser.exit(USAGE_ERROR, f"base: {error}\n")
     log.info("ended after %d packets", base.firmware.packets)
 

@@ -9,7 +9,7 @@ from typing import Self
 
 from cliffscan.simulator.kobuki import control
 from cliffscan.simulator.kobuki.base import Base
-from cliffscan.simulator.kobuki.cable import Cable, CableError
+from cliffscan.simulator.kobuki.cable import Cable, PathError
 from cliffscan.simulator.kobuki.report import Fields, fields
 from cliffscan.simulator.kobuki.server import ControlServer
 
@@ -35,11 +35,11 @@ class Runner:
 
     @classmethod
     def open(cls, base: Base, link: Path, control: Path | None, execute: Execute | None = None) -> Self:
-        """A base on a port, with a control socket where a path is given. Raises CableError, ServerError."""
+        """A base on a port, with a control socket where a path is given. Raises PathError."""
         server = ControlServer(control) if control else None  # before the port, which another base may have at the link
         try:
             return cls(base, Cable(link), server, execute)
-        except CableError:
+        except PathError:
             if server:
                 server.close()
             raise

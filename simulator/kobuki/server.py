@@ -6,16 +6,13 @@ import socket
 from collections.abc import Callable
 from pathlib import Path
 
+from cliffscan.simulator.kobuki.cable import PathError
 from cliffscan.simulator.kobuki.control import ControlError
 from cliffscan.simulator.kobuki.report import Fields
 from cliffscan.simulator.unix_socket import listen_at
 
 LONGEST_LINE = 1000  # [bytes]
 READ_SIZE = 4096  # [bytes]
-
-
-class ServerError(Exception):
-    """A socket that cannot be made."""
 
 
 class Client:
@@ -50,7 +47,7 @@ class Client:
 
 
 class ControlServer:
-    """Listens at a path. Raises ServerError where it cannot, or where another process does already."""
+    """Listens at a path. Raises PathError where it cannot, or where another process does already."""
 
     def __init__(self, path: Path) -> None:
         self.path = path
@@ -58,7 +55,7 @@ class ControlServer:
         try:
             self._listener = listen_at(path)
         except OSError as error:
-            raise ServerError(f"cannot listen at {path}: {error.strerror or error}") from error
+            raise PathError(f"cannot listen at {path}: {error.strerror or error}") from error
         self._listener.setblocking(False)
 
     def files(self) -> list[int]:
