@@ -19,7 +19,7 @@ from evaluation.processes.steering import Look, Step, To
 from evaluation.processes.truth_feed import Truth, TruthFeed
 from evaluation.processes.watch import Failed, Watch
 from evaluation.tables import Table, percent
-from evaluation.truth.map_truth import Ground, seen
+from evaluation.truth.world_truth import Ground, seen
 from experiments.map_system import REACH, SCANS, WANTED, Mapper, map_system
 from experiments.run import Display, Run, telling
 from experiments.survey import Survey

@@ -1,4 +1,4 @@
-"""The real processes in a simulated world, driven and watched."""
+"""The real processes in a simulated world, driven to and fro between a drop and a wall, and watched."""
 
 import os
 import random
@@ -12,11 +12,36 @@ from typing import NamedTuple
 
 from benchmarks.faults.frame_relay import FrameRelay
 from benchmarks.faults.intruder import Intrusion, Kind
-from benchmarks.faults.shuttle import START, WORLD, Shuttle
 from cliffscan.common.contract.base_messages import Velocity
 from cliffscan.common.runtime.service import StopSignal
 from cliffscan.simulator.world import Pose
 from evaluation.processes.driven import SOURCE, DrivenRobot, driven_robot
+from evaluation.processes.steering import LINEAR, Command, To
+
+WORLD = "landing"
+START = Pose(0.0, 0.2, 0.0)
+EDGE = 3.0  # [m] x of the stairs' edge
+ENDS = (To(EDGE - 0.45, 0.2), To(-0.9, 0.2))  # the other one is 0.6 m before the wall
+SPEEDS = (0.2, 0.3, 0.5)  # [m/s]
+
+
+class Shuttle:
+    """Knows which end is next, and how fast to go there."""
+
+    def __init__(self, rng: random.Random) -> None:
+        self._rng = rng
+        self._end = 0
+        self.speed = rng.choice(SPEEDS)  # [m/s]
+
+    def command(self, pose: Pose) -> Command:
+        """What to do at this pose; at an end it turns round."""
+        asked = ENDS[self._end].command(pose)
+        if asked is None:
+            self._end, self.speed = 1 - self._end, self._rng.choice(SPEEDS)
+            asked = ENDS[self._end].command(pose) or (0.0, 0.0)
+        linear, angular = asked
+        return linear * self.speed / LINEAR, angular
+
 
 TURNING, ONCE = 0.6, 13.0  # [rad/s], [s]
 OUTAGE = 1.5  # [s] after which held commands arrive in a burst

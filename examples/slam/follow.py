@@ -2,8 +2,10 @@
 
 import logging
 import threading
+from bisect import bisect_left
 from collections import deque
 from collections.abc import Callable
+from operator import attrgetter
 from typing import NamedTuple, TypeVar
 
 from examples.slam.pose import Pose
@@ -44,20 +46,14 @@ class Trail:
 
     def at(self, stamp: int) -> Pose | None:
         """The pose at a time [ns], between the two that are nearest; None outside the times that are known."""
-        later: Odometry | None = None
-        for odometry in reversed(self._poses):
-            if odometry.stamp <= stamp:
-                return _between(odometry, later, stamp)
-            later = odometry
-        return None
-
-
-def _between(before: Odometry, after: Odometry | None, stamp: int) -> Pose | None:
-    if before.stamp == stamp:
-        return before.pose
-    if after is None:
-        return None
-    return before.pose.towards(after.pose, (stamp - before.stamp) / (after.stamp - before.stamp))
+        place = bisect_left(self._poses, stamp, key=attrgetter("stamp"))
+        if place == len(self._poses):
+            return None
+        after = self._poses[place]
+        if after.stamp == stamp or not place:
+            return after.pose if after.stamp == stamp else None
+        before = self._poses[place - 1]
+        return before.pose.towards(after.pose, (stamp - before.stamp) / (after.stamp - before.stamp))
 
 
 class Follower:
