@@ -12,12 +12,13 @@ MOST_SIDE = 4096  # [px] of a depth image
 MOST_PIXELS = 2**21  # of a depth image, as 1920 x 1080: as many as are unpacked within the 33 ms of a frame
 MOST_CELLS = 2**24  # of a map
 MOST_BEAMS = 20_000  # of a scan
+MOST_BEAM_FIELDS = 8  # of a scan, those of newer programs included, which a reader does not know
 MOST_SAMPLES = 1024  # of a gyro, in one message
 
 SMALL = 32 * 1024  # [bytes] of a message or a request, and of all that is not `bin` in a larger one
 PAYLOAD = {  # [bytes] of the messages that may be larger
     "DepthImage": 2 * MOST_PIXELS + 2 * 2**16 + SMALL,  # what cannot be compressed, and every level
-    "LaserScan": 3 * 4 * MOST_BEAMS + SMALL,
+    "LaserScan": MOST_BEAM_FIELDS * 4 * MOST_BEAMS + SMALL,
     "OccupancyGrid": MOST_CELLS + SMALL,
 }
 LARGEST = max(PAYLOAD.values())
