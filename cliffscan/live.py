@@ -7,7 +7,7 @@ from typing import NamedTuple
 from cliffscan.common.runtime.bus import Bus
 from cliffscan.common.runtime.service import StopSignal
 
-NEWS = 1.0  # [s] in which a new session has heard of every service that works
+NEWS = 1.0  # [s] in which a new session knows of every service that works
 LOOK = 1.5  # [s] in which all that is published at 1 Hz comes at least once
 
 

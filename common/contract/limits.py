@@ -24,7 +24,7 @@ PAYLOAD = {  # [bytes] of the messages that may be larger
 LARGEST = max(PAYLOAD.values())
 
 NEAREST_REACH, FARTHEST_REACH = 0.001, 1000.0  # [m] of a depth camera
-DEEPEST = 65.535  # [m] that 16 bits of millimetres can tell
+DEEPEST = 65.535  # [m] that 16 bits of millimetres hold
 LOWEST_CAMERA, HIGHEST_CAMERA = 0.001, 20.0  # [m] above the floor
 FINEST_INCREMENT = 1e-6  # [rad] between two beams
 LONGEST_NAME = 256  # characters
@@ -33,7 +33,7 @@ LONGEST_TEXT = 1000  # characters
 NAME = Field(max_length=LONGEST_NAME)
 TEXT = Field(max_length=LONGEST_TEXT)  # for people
 COUNTERS = Field(max_length=256)  # different ones, of a service
-COUNT = Field(ge=0, lt=2**16)  # as a sensor tells it
+COUNT = Field(ge=0, lt=2**16)  # as a sensor reports it
 COORDINATE = Field(ge=-1e8, le=1e8)  # [m], of UTM too
 HEADING = Field(ge=-1e6, le=1e6)  # [rad], of a robot that has turned for a long time
 SPEED = Field(ge=-1e3, le=1e3)  # [m/s] or [rad/s]
