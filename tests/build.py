@@ -165,6 +165,9 @@ class Bus:
     def subscribe(self, path, receive, *_limits) -> None:
         self.receivers[path] = receive
 
+    def receive_latched(self, path, receive) -> None:
+        self.subscribe(path, receive)
+
     def latch(self, topic):
         return self.said[topic.path].append
 

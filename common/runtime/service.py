@@ -102,6 +102,19 @@ class Service(Generic[C]):
 
         self.bus.subscribe(topic.path, arrived, room, RATE, refused)
 
+    def receive_latched(self, topic: Topic[M], accept: Callable[[M], None]) -> None:
+        """Call `accept`, from several threads, for every good message that is kept or published; see the bus."""
+
+        def arrived(path: str, payload: bytes) -> None:
+            try:
+                message = topic.message.decode(payload)
+            except MessageError as error:
+                self.metrics.warn_limited("malformed", f"{path}: {error}")
+                return
+            accept(message)
+
+        self.bus.receive_latched(topic.path, arrived)
+
     def newest(self, topic: Topic[M]) -> Iterator[M]:
         """Every good message of `topic` until the service ends; while one is worked on, only the newest is kept."""
         queue: LatestQueue[M] = LatestQueue()
