@@ -11,8 +11,8 @@ from cliffscan.common.runtime.service import StopSignal
 from cliffscan.common.runtime.suggest import suggest
 from cliffscan.plain import plain
 
-NEWS = 1.0  # [s] in which a new session has heard of every service that works
-TURN = 0.1  # [s] between two looks at who is alive
+NEWS = 1.0  # [s] in which a new session knows of every service that works
+TURN = 0.1  # [s] between two looks at what is alive
 LOOK = 1.5  # [s] in which all that is published at 1 Hz comes at least once
 
 

@@ -75,7 +75,7 @@ class OccupancyGrid:
 
 
 def _on_the_way(seen: Beams, origin: Pose, near: float, step: float) -> Floats:
-    """(2, points) x, y [m] on the map every `step` [m] along each beam, as far as it tells the ground to be free."""
+    """(2, points) x, y [m] on the map every `step` [m] along each beam, as far as it reports the ground to be free."""
     distances = np.arange(near, seen.free.max(initial=0.0), step)
     points = np.stack(
         [

@@ -65,14 +65,14 @@ class Pace:
 
 
 class Plugin:
-    """Works off scans; knows what of the map was not yet said and not yet saved."""
+    """Works off scans; knows what of the map was not yet published and not yet saved."""
 
     def __init__(self, settings: Settings, mapper: Mapper, network: Network) -> None:
         self._settings = settings
         self._mapper, self._network = mapper, network
-        self._saying, self._saving = Pace(MAP_PERIOD), Pace(settings.every or math.inf)
+        self._publishing, self._saving = Pace(MAP_PERIOD), Pace(settings.every or math.inf)
         self._saving.due()  # not at once
-        self._newest = self._said = self._saved = 0  # [ns] stamp of the newest scan on the map, when said, when saved
+        self._newest = self._published = self._saved = 0  # [ns] stamp of the newest scan, when published, when saved
 
     def take(self, sighting: Sighting) -> None:
         """Map a scan and publish where the robot is."""
@@ -85,11 +85,11 @@ class Plugin:
 
     def publish(self) -> None:
         """Publish the map and save it, where there is something new on it and it is time."""
-        if self._newest != self._said and self._saying.due():
+        if self._newest != self._published and self._publishing.due():
             grid = self._mapper.map()
             if grid.cells.size:
                 self._network.publish_map(grid, self._newest)
-            self._said = self._newest
+            self._published = self._newest
         if self._newest != self._saved and self._saving.due():
             self.save()
 
@@ -103,7 +103,7 @@ class Plugin:
 
 
 def main(program: str, text: str | None, make: Callable[[Settings], Mapper]) -> None:
-    """Run a plug-in from the command line until SIGTERM or Ctrl-C; what prevents it is told in one line."""
+    """Run a plug-in from the command line until SIGTERM or Ctrl-C; what prevents it is reported in one line."""
     settings = command_line.read(program, text)
     logging.basicConfig(level=logging.INFO, format=f"%(asctime)s %(levelname)s {program}: %(message)s")
     try:
@@ -132,14 +132,14 @@ def _run(settings: Settings, mapper: Mapper, stop: Stop) -> None:
 
 
 def _connect(settings: Settings, stop: Stop) -> Network | None:
-    """The network, as soon as a router answers; None where the process was told to end before that."""
-    told = False
+    """The network, as soon as a router answers; None where the process was asked to end before that."""
+    logged = False
     while not stop.asked:
         try:
             return Network(settings)
         except zenoh.ZError as error:
-            if not told:
+            if not logged:
                 log.info("waiting for a router: %s", str(error).split(" at /")[0])
-                told = True
+                logged = True
             time.sleep(RETRY)
     return None

@@ -13,7 +13,7 @@ from examples.slam.pose import Pose
 FLOAT32, INT8 = np.dtype("<f4"), np.dtype("<i1")
 Floats = NDArray[np.float32]
 PLACE = ("x", "y", "yaw")
-NOT_TOLD = np.empty(0, np.float32)
+ABSENT = np.empty(0, np.float32)
 
 
 class WireError(ValueError):
@@ -79,7 +79,7 @@ def read_scan(payload: bytes) -> Scan:
         range_max=_number(fields, "range_max"),
         ranges=_floats(fields, "ranges"),
         evidence=_floats(fields, "intensities"),
-        clear=_floats(fields, "clear") if "clear" in fields else NOT_TOLD,
+        clear=_floats(fields, "clear") if "clear" in fields else ABSENT,
     )
     beams = len(scan.ranges)
     if not beams or len(scan.evidence) not in (0, beams) or len(scan.clear) not in (0, beams):
