@@ -39,7 +39,7 @@ from evaluation.tables import Table
 WORLDS = {"paper_room": 0.0, "stairs_corridor": 0.0, "empty_room": 0.0, "paper_room, 20° down": 20.0}
 PAPER = NegativeConfig(methods=("farthest_point", "virtual_floor"))
 OURS = NegativeConfig(methods=("near_edge",))
-ALL = NegativeConfig(methods=("farthest_point", "virtual_floor", "near_edge"))
+ALL = NegativeConfig(methods=tuple(METHODS))
 POSITIVE = PositiveConfig()
 COLD = """
 from cliffscan.common.perception.scans import WARMUP_IMAGE
@@ -100,11 +100,11 @@ def jobs(image: DepthImage) -> dict[str, Callable[[], object]]:
         "heights and distances": lambda: floor_points(image.depth, image.camera, ALL.range_min, ALL.floor_band),
         **{method: partial(METHODS[method].find, seen, ALL) for method in ALL.methods},
         "positive, all of it": lambda: positive_scan(image, POSITIVE),
-        "combine three": lambda: combine(beams),
+        "combine all methods": lambda: combine(beams),
         "default: near_edge + positive + fuse": fused(OURS),
         "default, another floor plane in each frame": moving(image),
         "paper: both methods + positive + fuse": fused(PAPER),
-        "everything: three methods + positive + fuse": fused(ALL),
+        "everything: all methods + positive + fuse": fused(ALL),
         "paper in plain NumPy": lambda: plain_numpy(image, ALL.grid(), ALL.floor_band, POSITIVE.robot_height),
         "floor tracker": lambda: tracker.update(image.depth, image.camera),
     }

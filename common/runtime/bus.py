@@ -100,7 +100,7 @@ class Bus:
         self._readers.join()
 
     def publisher(self, topic: Topic[M]) -> Publisher[M]:
-        """Declare that messages of `topic` will be said."""
+        """Declare that messages of `topic` will be published."""
         return Publisher(
             self._session.declare_publisher(
                 topic.key(self.robot),
@@ -123,7 +123,7 @@ class Bus:
 
         The calls come one after another from a thread of the subscription's own, at most `rate` [Hz] where that is
         given, until what is returned is called. `room` samples may wait; beyond, the oldest is dropped, uncounted. A
-        payload larger than its key allows is not even copied, and `refused(path, why)` is told. Raises BusError for
+        payload larger than its key allows is not even copied, and `refused(path, why)` is called. Raises BusError for
         what is no path.
         """
         prefix = len(self.robot) + 1
@@ -221,12 +221,12 @@ class Bus:
         self._readers.once(key, ask)
 
     def announce(self, service: str) -> None:
-        """Tell everyone that `service` works, until withdraw() or the session's end."""
+        """Announce that `service` works, until withdraw() or the session's end."""
         if not self._token:
             self._token = self._session.liveliness().declare_token(f"{self.robot}/{alive(service)}")
 
     def withdraw(self) -> None:
-        """Tell everyone that the service cannot do its work for now."""
+        """Withdraw the announcement: the service cannot do its work for now."""
         token, self._token = self._token, None
         if token:
             token.undeclare()  # type: ignore[no-untyped-call]

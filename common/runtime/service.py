@@ -67,7 +67,7 @@ class Service(Generic[C]):
 
     @property
     def running(self) -> bool:
-        """False once the service was told to end."""
+        """False once the service was asked to end."""
         return not self._stop.is_set()
 
     def pause(self, seconds: float) -> None:
@@ -75,11 +75,11 @@ class Service(Generic[C]):
         self._stop.wait(seconds)
 
     def publisher(self, topic: Topic[M]) -> Publisher[M]:
-        """Declare that messages of `topic` will be said."""
+        """Declare that messages of `topic` will be published."""
         return self.bus.publisher(topic)
 
     def receive(self, topic: Topic[M], accept: Callable[[M], None], room: int = ROOM) -> None:
-        """Call `accept`, from a thread of the topic's own, for every good message; bad ones are counted and told.
+        """Call `accept`, from a thread of the topic's own, for every good message; bad ones are counted and logged.
 
         No more than RATE are looked at; of others that come meanwhile the newest `room` are kept.
         """
@@ -101,6 +101,19 @@ class Service(Generic[C]):
             accept(message)
 
         self.bus.subscribe(topic.path, arrived, room, RATE, refused)
+
+    def receive_latched(self, topic: Topic[M], accept: Callable[[M], None]) -> None:
+        """Call `accept`, from several threads, for every good message that is kept or published; see the bus."""
+
+        def arrived(path: str, payload: bytes) -> None:
+            try:
+                message = topic.message.decode(payload)
+            except MessageError as error:
+                self.metrics.warn_limited("malformed", f"{path}: {error}")
+                return
+            accept(message)
+
+        self.bus.receive_latched(topic.path, arrived)
 
     def newest(self, topic: Topic[M]) -> Iterator[M]:
         """Every good message of `topic` until the service ends; while one is worked on, only the newest is kept."""
@@ -129,8 +142,8 @@ class Service(Generic[C]):
         self.state, self.note = "waiting", note
         self.bus.withdraw()
 
-    def tell_status(self) -> None:
-        """Say once a second how the service fares, until it ends."""
+    def publish_status(self) -> None:
+        """Publish once a second how the service fares, until it ends."""
         publisher = self.bus.publisher(STATUS.named(self.name))
         last = time.monotonic()
         while not self._stop.wait(1.0):
@@ -153,7 +166,7 @@ class Service(Generic[C]):
         )
 
 
-@cache  # each look-up reads files, and the status tells it every second
+@cache  # each look-up reads files, and the status has it every second
 def package_version() -> str:
     """The installed version, or `source` when run from a plain checkout."""
     try:
@@ -163,7 +176,7 @@ def package_version() -> str:
 
 
 def main(name: str, kind: type[C], serve: Callable[[Service[C]], None]) -> None:
-    """Run a service from the command line until it ends or is told to; leaves with the process's exit code."""
+    """Run a service from the command line until it ends or is asked to; leaves with the process's exit code."""
     parser = argparse.ArgumentParser(prog=f"cliffscan run {name}", description=sys.modules["__main__"].__doc__)
     options.add_network(parser)
     options.add_config(parser)
@@ -183,7 +196,7 @@ def main(name: str, kind: type[C], serve: Callable[[Service[C]], None]) -> None:
     except (BusError, ConfigError) as error:
         parser.exit(USAGE_ERROR, f"{name}: {error}\n")
     logging.shutdown()
-    os._exit(0)  # all is said and closed; to take the compiler apart would cost another half a second
+    os._exit(0)  # all is published and closed; to take the compiler apart would cost another half a second
 
 
 def run(name: str, config: C, network: Network, robot: str, serve: Callable[[Service[C]], None]) -> None:
@@ -194,8 +207,8 @@ def run(name: str, config: C, network: Network, robot: str, serve: Callable[[Ser
         return
     with bus:
         service = Service(name, config, bus, stop)
-        teller = threading.Thread(target=service.tell_status, name="status")
-        teller.start()
+        status = threading.Thread(target=service.publish_status, name="status")
+        status.start()
         try:
             stop.patient = False
             if not stop.is_set():
@@ -203,19 +216,19 @@ def run(name: str, config: C, network: Network, robot: str, serve: Callable[[Ser
         finally:
             stop.patient = True
             stop.set()
-            teller.join()
+            status.join()
         log.info("ended: %s", service.metrics.counts())
 
 
 def connect(network: Network, robot: str, stop: threading.Event) -> Bus | None:
-    """The bus, as soon as a router answers; None where the process was told to end before that."""
-    told = False
+    """The bus, as soon as a router answers; None where the process was asked to end before that."""
+    logged = False
     while not stop.is_set():
         try:
             return Bus(network, robot)
         except NotConnected as error:
-            if not told:
+            if not logged:
                 log.info("waiting for a router: %s", error)
-                told = True
+                logged = True
             stop.wait(RETRY)
     return None

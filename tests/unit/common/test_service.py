@@ -120,7 +120,7 @@ def test_a_status_tells_counts_rate_and_latency(service, monkeypatch):
         service.metrics.output(0)
     rounds = iter([False, True])
     monkeypatch.setattr(service.stop, "wait", lambda _timeout: next(rounds))
-    service.tell_status()
+    service.publish_status()
     (told,) = service.bus.said["status/positive"]
     assert (told.service, told.state, told.counts) == ("positive", "starting", {"received": 60, "published": 30})
     assert told.rate > 0
