@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from cliffscan.common.contract.camera import Camera, FloorPlane, scan_axes
+from cliffscan.common.contract.camera import KINECT_NOISE, Camera, FloorPlane, Region, scan_axes
 from cliffscan.common.contract.depth_codec import RAW
 from cliffscan.common.contract.messages import DepthImage
 from cliffscan.services.negative.config import NegativeConfig
@@ -119,3 +119,69 @@ def test_a_floor_may_be_seen_from_any_height_upside_down():
     ranges = drops(seen_by_kinect(depth, camera, seed=0))
     assert len(ranges) > 300
     assert (np.abs(ranges - 1.55) < 0.15).all()
+
+
+@pytest.mark.parametrize("roll", [5.0, -10.0, 20.0, 45.0, 70.0, 90.0, -90.0, 170.0])
+@pytest.mark.parametrize(("height", "pitch"), [(0.3, 0.0), (1.0, 25.0)])
+def test_a_rolled_camera_sees_a_flat_floor_throughout(height, pitch, roll):
+    camera = replace(kinect_camera(), floor=FloorPlane.from_mount(height, math.radians(pitch), math.radians(roll)))
+    image = seen_by_kinect(scenes.depth(camera, wall=60.0), camera, seed=1)
+    beams = beams_by_method(image, NegativeConfig(), ["near_edge"])["near_edge"]
+    forward, left, up = (axis.table() for axis in scan_axes(camera))
+    floor = (forward > 0) & (-up > camera.floor.d / 3.5) & (-up < camera.floor.d / 0.6)
+    least, most = (getattr(np.arctan2(left, forward)[floor], end)() for end in ("min", "max"))
+    angles = NegativeConfig().grid().angles()
+    inside = (angles > least + 0.03) & (angles < most - 0.03)
+    assert inside.sum() > 400
+    assert not np.isfinite(beams.ranges).any()
+    assert np.isposinf(beams.ranges[inside]).mean() >= 0.995
+
+
+@pytest.mark.parametrize("roll", [8.0, -8.0])
+def test_a_hole_right_before_a_rolled_camera_is_not_free(roll):
+    camera = replace(kinect_camera(), floor=FloorPlane.from_mount(0.3, 0.0, math.radians(roll)))
+    depth = scenes.depth(camera, wall=60.0)
+    forward, _, up = (axis.table() for axis in scan_axes(camera))
+    with np.errstate(divide="ignore"):
+        depth[(up < 0) & (forward * -camera.floor.d / up < 0.74)] = 0  # no return of it
+    image = seen_by_kinect(depth, camera, seed=1)
+    beams = beams_by_method(image, NegativeConfig(), ["near_edge"])["near_edge"]
+    aside = -np.sign(roll) * NegativeConfig().grid().angles()  # a camera that leans right is lowered on the right
+    lowered = (aside > 0.2) & (aside < 0.35)  # farther aside a beam enters the image beyond the hole
+    assert (beams.clear[lowered] == 0.0).all()
+
+
+@pytest.mark.parametrize("range_min", [0.75, 0.9, 1.5])
+def test_range_min_may_lie_beyond_the_nearest_floor_in_view(range_min):
+    camera = kinect_camera()
+    image = seen_by_kinect(scenes.depth(camera, wall=60.0), camera, seed=1)
+    beams = beams_by_method(image, NegativeConfig(range_min=range_min), ["near_edge"])["near_edge"]
+    assert np.isposinf(beams.ranges).mean() >= 0.995
+
+
+def test_an_empty_border_is_no_hole_where_the_region_says_so():
+    camera = kinect_camera(1.4, math.radians(16))
+    depth = scenes.depth(camera, wall=60.0)
+    depth[460:] = 0
+    blind = seen_by_kinect(depth, camera, seed=1)
+    seen = seen_by_kinect(depth, replace(camera, seen=Region(0, 0, 639, 459)), seed=1)
+    clear = [beams_by_method(image, NegativeConfig(), ["near_edge"])["near_edge"].clear for image in (blind, seen)]
+    assert (clear[0] == 0.0).all()
+    assert (clear[1] > 2.0).all()
+
+
+@pytest.mark.parametrize("noise", [KINECT_NOISE, KINECT_NOISE / 2])
+@pytest.mark.parametrize(("fall", "smear"), [(0.08, 0.4), (0.11, 0.4), (0.11, 0.7)])
+def test_a_kerb_whose_face_is_smeared_into_a_slope_is_a_drop(fall, smear, noise):
+    camera = replace(kinect_camera(0.52, math.radians(6)), noise=noise)
+    forward, _, up = (axis.table() for axis in scan_axes(camera))
+    start, slope = 2.0, -fall / smear
+    with np.errstate(divide="ignore"):
+        flat, face, road = -0.52 / up, (slope * -start - 0.52) / (up - slope * forward), (-fall - 0.52) / up
+    depth = np.where(flat * forward < start, flat, np.where(face * forward < start + smear, face, road))
+    depth = np.where((up < 0) & (depth > 0) & (depth < 20.0), depth * 1000, 0).astype(np.uint16)
+    image = seen_by_kinect(depth, camera, seed=3, noise=0.8 * noise, step=0.0)
+    beams = beams_by_method(image, NegativeConfig(), ["near_edge"])["near_edge"]
+    assert not np.isposinf(beams.ranges).any()
+    assert (beams.clear < start + smear + 0.3).all()
+    assert np.isfinite(beams.ranges).mean() > 0.9

@@ -118,3 +118,19 @@ def test_a_desk_whose_near_edge_is_in_view_begins_with_a_drop(name):
     assert frame.told.mean() > 0.985
     assert not (frame.beams.ranges - first > 0.02).any()
     assert not (frame.beams.ranges >= desk).any()
+
+
+def test_no_beam_is_free_beyond_a_kerb_that_stereo_smears():
+    frame = Recorded("gmrpd_d415_kerb/sample2.png")
+    road = frame.of_beams(frame.heights < -0.09, frame.distances, np.fmin)  # within sight, on the left only
+    beyond = (road < 3.9) & (GRID.angles() > 0.2)
+    assert beyond.sum() > 60
+    assert np.isfinite(frame.beams.ranges[beyond]).mean() > 0.75
+    assert not np.isposinf(frame.beams.ranges[beyond]).any()
+
+
+@pytest.mark.parametrize("name", frames("gmrpd_d415_kerb/*.png"))
+def test_the_pavement_before_a_kerb_is_free(name):
+    frame = Recorded(name)
+    ahead = np.abs(GRID.angles()) < 0.17
+    assert np.isposinf(frame.beams.ranges[ahead]).mean() > 0.8
