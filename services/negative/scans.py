@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Collection, Iterable
 from typing import NamedTuple
 
@@ -9,7 +10,7 @@ from cliffscan.common.contract.beam_fields import Beams
 from cliffscan.common.contract.messages import DepthImage, LaserScan
 from cliffscan.common.perception.combine import combine, within
 from cliffscan.common.perception.point_heights import point_heights
-from cliffscan.common.perception.scans import laser_scan
+from cliffscan.common.perception.scans import WARMUP_IMAGE, laser_scan
 from cliffscan.services.negative.config import NegativeConfig
 from cliffscan.services.negative.methods import METHODS
 
@@ -34,3 +35,10 @@ def beams_by_method(image: DepthImage, config: NegativeConfig, methods: Iterable
     points = point_heights(image.depth, image.camera, config.range_min, lower_than=config.floor_band)
     reach = config.reach(image.camera)
     return {name: within(METHODS[name].find(points, config), reach) for name in methods}
+
+
+def compile_kernels(config: NegativeConfig) -> None:
+    """Compile what the configured methods need, and begin to compile the other methods in a thread."""
+    negative_scans(WARMUP_IMAGE, config)
+    others = threading.Thread(target=negative_scans, args=(WARMUP_IMAGE, config, METHODS), daemon=True)
+    others.start()
