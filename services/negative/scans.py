@@ -7,6 +7,7 @@ from collections.abc import Collection, Iterable
 from typing import NamedTuple
 
 from cliffscan.common.contract.beam_fields import Beams
+from cliffscan.common.contract.depth_codec import compile_loops
 from cliffscan.common.contract.messages import DepthImage, LaserScan
 from cliffscan.common.perception.combine import combine, within
 from cliffscan.common.perception.point_heights import point_heights
@@ -39,6 +40,7 @@ def beams_by_method(image: DepthImage, config: NegativeConfig, methods: Iterable
 
 def compile_kernels(config: NegativeConfig) -> None:
     """Compile what the configured methods need, and begin to compile the other methods in a thread."""
+    compile_loops()
     negative_scans(WARMUP_IMAGE, config)
     others = threading.Thread(target=negative_scans, args=(WARMUP_IMAGE, config, METHODS), daemon=True)
     others.start()
