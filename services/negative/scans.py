@@ -26,8 +26,10 @@ class NegativeScans(NamedTuple):
 def negative_scans(image: DepthImage, config: NegativeConfig, methods: Collection[str] = ()) -> NegativeScans:
     """The scans of the configured methods, and of further `methods`."""
     found = beams_by_method(image, config, dict.fromkeys((*config.methods, *methods)))
-    combined = combine([found[method] for method in config.methods])
     by_method = {method: laser_scan(image, beams, config) for method, beams in found.items()}
+    if len(config.methods) == 1:
+        return NegativeScans(by_method, by_method[config.methods[0]])
+    combined = combine([found[method] for method in config.methods])
     return NegativeScans(by_method, laser_scan(image, combined, config))
 
 

@@ -20,7 +20,8 @@ def serve(arguments: argparse.Namespace, configs: Mapping[str, ServiceConfig]) -
     def work(bus: Bus, stop: StopSignal) -> None:
         fleet = Fleet(bus, robots, configs, stop)
         with reporting(fleet.publish_statuses, stop):
-            fleet.serve()
+            if not stop.is_set():
+                fleet.serve()
 
     on_bus(options.network(arguments), options.ROBOT, work)
 
