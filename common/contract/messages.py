@@ -32,7 +32,7 @@ class DepthImage(Message):
 
     seq: UInt64
     stamp: Stamp  # time of capture
-    period: Annotated[float, limits.PERIOD] | None = None  # [s] from one frame to the next; None: not known
+    period: Annotated[float, limits.PERIOD] = 0.0  # [s] from one frame to the next; 0: not known
     frame: Name
     width: Side
     height: Side
@@ -62,7 +62,7 @@ class DepthImage(Message):
         depth: NDArray[np.uint16],
         camera: Camera,
         encoding: str,
-        period: float | None = None,
+        period: float = 0.0,
     ) -> Self:
         """The message of a depth image (height, width) [mm], in one of the encodings of depth_codec."""
         image = cls.model_construct(

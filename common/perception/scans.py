@@ -93,7 +93,7 @@ def laser_scan(image: DepthImage, beams: Beams, config: ImageScanConfig) -> Lase
         angle_max=grid.angle_max,
         angle_increment=grid.increment,
         time_increment=0.0,
-        scan_time=config.scan_time if image.period is None else image.period,
+        scan_time=image.period or config.scan_time,
         range_min=config.range_min,
         range_max=config.reach(image.camera),
         **beams.arrays(),

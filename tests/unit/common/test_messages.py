@@ -46,7 +46,14 @@ def test_the_pixels_of_a_foreign_frame_run_by_rows_from_the_top_left():
     assert (image.camera.intrinsics.fx, image.camera.intrinsics.fy) == (3.0, 2.5)
 
 
-@pytest.mark.parametrize(("kind", "name"), [pair for pair in FIELDS if pair[1] != "clear"])
+OPTIONAL = {"clear", "period"}
+
+
+def test_a_frame_that_does_not_tell_its_period_has_none():
+    assert decode(DepthImage, period=GONE).period == 0.0
+
+
+@pytest.mark.parametrize(("kind", "name"), [pair for pair in FIELDS if pair[1] not in OPTIONAL])
 def test_a_missing_field_is_named(kind, name):
     with pytest.raises(MessageError, match=f"(^|; ){name}: Field required"):
         decode(kind, **{name: GONE})
