@@ -50,6 +50,7 @@ def main() -> None:
             flood.release()
             time.sleep(WARM_UP)
             rows.append(row(f"{asked.gets:g} gets/s, {asked.puts:g} puts/s", client, asked.seconds))
+    client.session.close()  # or the process would not end
     Console().print(Table("stop in a flood", HEADINGS, rows).rich())
 
 

@@ -9,7 +9,6 @@ run is made while nobody listens to the base, a second one while somebody listen
 """
 
 import argparse
-import select
 import tempfile
 import threading
 import time
@@ -28,13 +27,12 @@ from cliffscan.common.contract import topics
 from cliffscan.common.contract.base_messages import Velocity
 from cliffscan.common.runtime.bus import Bus, Network
 from cliffscan.simulator.kobuki.base import Base
-from cliffscan.simulator.kobuki.cable import Cable
-from cliffscan.simulator.kobuki.commands import BaseControl
+from cliffscan.simulator.kobuki.commands import BaseControl, Command
+from cliffscan.simulator.kobuki.runner import Runner, run
 from evaluation.processes.network import free_endpoint
 from evaluation.processes.started import Started, cpu
 from evaluation.tables import Table
 
-TICK = 0.02  # [s] of the base
 FASTEST, STEP = 0.65, 0.001  # [m/s]
 WARM_UP = 60  # commands in which the base comes up to speed
 ROUND = 600  # commands that are measured before it comes up to speed again
@@ -49,45 +47,43 @@ def main() -> None:
     parser.add_argument("--commands", type=int, default=500)
     options = parser.parse_args()
     robot, endpoint = f"bench-{uuid.uuid4().hex[:8]}", free_endpoint()
-    heard: Queue[tuple[float, int]] = Queue()
-    ended, alive = threading.Event(), threading.Event()
+    base, ended, alive = ListeningBase(), threading.Event(), threading.Event()
     with tempfile.TemporaryDirectory() as folder, Bus(Network("router", [], [endpoint]), robot) as bus:
         link = Path(folder) / "kobuki"
-        base = threading.Thread(target=live, args=(link, heard, ended))
-        base.start()
+        runner = Runner.open(base, link, None)
+        living = threading.Thread(target=run, args=(runner, ended))
+        living.start()
         bus.watch_alive(lambda name, here: alive.set() if name == "kobuki" and here else None)
         try:
             with Started() as started:
                 service = started.service("kobuki", robot, endpoint, f"kobuki.port={link}")
                 if not alive.wait(20.0):
                     raise SystemExit("kobuki does not come to life")
-                alone = measure(bus, heard, service, options.commands)
+                alone = measure(bus, base.heard, service, options.commands)
                 for topic in (topics.ODOMETRY, topics.BASE_STATE, topics.IMU):
                     bus.subscribe(topic.path, lambda path, payload: None)  # noqa: ARG005
-                followed = measure(bus, heard, service, options.commands)
+                followed = measure(bus, base.heard, service, options.commands)
         finally:
             ended.set()
-            base.join()
+            living.join()
+            runner.cable.close()
     Console().print(table({"nobody": alone, "somebody": followed}).rich())
 
 
-def live(link: Path, heard: Queue[tuple[float, int]], ended: threading.Event) -> None:
-    """Be a base by the clock, and note when each speed was heard."""
-    base, cable = Base(), Cable(link)
-    last = time.monotonic()
-    while not ended.is_set():
-        if cable.connected:
-            select.select([cable.fileno()], [], [], max(0.0, last + TICK - time.monotonic()))
-        else:
-            time.sleep(TICK)
-        for command in base.receive(cable.hear()):
+class ListeningBase(Base):
+    """A base that notes when it was told each speed [mm/s]."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.heard: Queue[tuple[float, int]] = Queue()
+
+    def receive(self, data: bytes) -> list[Command]:
+        """Hear bytes from the driver."""
+        commands, now = super().receive(data), time.perf_counter()
+        for command in commands:
             if isinstance(command, BaseControl):
-                heard.put((time.perf_counter(), command.speed))
-        now = time.monotonic()
-        if now - last >= TICK:
-            cable.say(base.step(now - last))
-            last = now
-    cable.close()
+                self.heard.put((now, command.speed))
+        return commands
 
 
 class Result(NamedTuple):

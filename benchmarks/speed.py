@@ -49,7 +49,7 @@ WORLDS = {
 REST = 33.0  # [ms] between two frames at 30 Hz
 PAPER = NegativeConfig(methods=("farthest_point", "virtual_floor"))
 OURS = NegativeConfig(methods=("near_edge",))
-ALL = NegativeConfig(methods=("farthest_point", "virtual_floor", "near_edge"))
+ALL = NegativeConfig(methods=tuple(METHODS))
 POSITIVE = PositiveConfig()
 COLD = """
 from cliffscan.common.perception.scans import WARMUP_IMAGE
@@ -113,12 +113,12 @@ def jobs(image: DepthImage) -> dict[str, Callable[[], object]]:
         "heights and distances": lambda: point_heights(image.depth, image.camera, ALL.range_min, ALL.floor_band),
         **{method: partial(METHODS[method].find, seen, ALL) for method in ALL.methods},
         "positive, all of it": lambda: positive_scan(image, POSITIVE),
-        "combine three": lambda: combine(beams),
+        "combine all methods": lambda: combine(beams),
         "default: near_edge + positive + fuse": fused(OURS),
         "floor tracker": lambda: tracker.update(image.depth, image.camera),
         "default, another floor plane in each frame": moving(image),
         "paper: both methods + positive + fuse": fused(PAPER),
-        "everything: three methods + positive + fuse": fused(ALL),
+        "everything: all methods + positive + fuse": fused(ALL),
         "paper in plain NumPy": lambda: plain_numpy(image, ALL.grid(), ALL.floor_band, POSITIVE.robot_height),
         "depth to bytes": lambda: depth_codec.encode(image.depth, LEVELS),
         "bytes to depth": partial(depth_codec.decode, data, LEVELS, image.width, image.height),

@@ -51,7 +51,7 @@ class Measurement(NamedTuple):
                 f"roll = {round(roll, 2) + 0.0:.2f}  # [deg]",
                 f"# floor seen in {len(self.mounts)} of {self.frames} frames, on {self.share:.0%} of the pixels tried",
                 f"# residual: {self.residual * 1e3:.1f} mm rms of the floor's heights",
-                f"# scatter over the frames: {_told(scatter)}",
+                f"# scatter over the frames: {_in_words(scatter)}",
             )
         )
 
@@ -75,25 +75,25 @@ def frames(bus: Bus, seconds: float, stop: StopSignal) -> Iterator[DepthImage]:
     words: LatestQueue[bytes] = LatestQueue()
     bus.subscribe(DEPTH.path, lambda _key, payload: queue.put(payload))
     bus.subscribe(STATUS.named("capture").path, lambda _key, payload: words.put(payload))
-    heard = False
+    received = False
     deadline = time.monotonic() + FIRST
     while time.monotonic() < deadline and not stop.is_set():
         payload = queue.get(PATIENCE)
         frame = _decoded(DepthImage, payload)
-        if frame and not heard:
-            heard, deadline = True, time.monotonic() + seconds
+        if frame and not received:
+            received, deadline = True, time.monotonic() + seconds
         if frame:
             yield frame
-    if not heard:
-        told = _decoded(ServiceStatus, words.get(0.0))
-        raise NotMeasured(f"no frame on {DEPTH.key(bus.robot)}: {_remedy(told)}")
+    if not received:
+        status = _decoded(ServiceStatus, words.get(0.0))
+        raise NotMeasured(f"no frame on {DEPTH.key(bus.robot)}: {_remedy(status)}")
 
 
-def _remedy(told: ServiceStatus | None) -> str:
+def _remedy(status: ServiceStatus | None) -> str:
     """What to do where capture sends nothing, by its last word."""
-    if told is None:
+    if status is None:
         return "capture does not run; start it with `cliffscan up` or `cliffscan run capture`"
-    return f"capture is {told.state}{': ' if told.note else ''}{told.note}"
+    return f"capture is {status.state}{': ' if status.note else ''}{status.note}"
 
 
 def measure(images: Iterator[DepthImage], nominal: FloorPlane | None) -> Measurement:
@@ -119,17 +119,17 @@ def measure(images: Iterator[DepthImage], nominal: FloorPlane | None) -> Measure
 def _check_still(measurement: Measurement) -> None:
     scatter = np.std(measurement.mounts, axis=0) * UNITS
     if (scatter > STILL).any():
-        raise NotMeasured(f"the floor moved ({_told(scatter)}): keep the robot still on level floor")
+        raise NotMeasured(f"the floor moved ({_in_words(scatter)}): keep the robot still on level floor")
 
 
-def _told(deviations: NDArray[np.float64]) -> str:
+def _in_words(deviations: NDArray[np.float64]) -> str:
     """Standard deviations in UNITS."""
     height, pitch, roll = deviations
     return f"height {height:.2f} mm, pitch {pitch:.3f} deg, roll {roll:.3f} deg"
 
 
 def _decoded(kind: type[M], payload: bytes | None) -> M | None:
-    """The message, or None where there is none or a malformed one: the services count and tell those."""
+    """The message, or None where there is none or a malformed one: the services count and log those."""
     try:
         return kind.decode(payload) if payload else None
     except MessageError:

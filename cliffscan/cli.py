@@ -19,7 +19,7 @@ from cliffscan.common.runtime.service import USAGE_ERROR, StopSignal, connect, p
 from cliffscan.drive import PRIORITY, drive
 from cliffscan.echo import echo
 from cliffscan.listing import list_keys, list_robots
-from cliffscan.liveness import alive
+from cliffscan.live import alive
 from cliffscan.run import add_run
 from cliffscan.services.capture.config import CaptureConfig
 from cliffscan.simulator.world_names import RANDOM, world_names
@@ -45,11 +45,11 @@ def up(arguments: argparse.Namespace, stop: StopSignal) -> int:
         return 0
     with System(plan, stop) as system:
         print(welcome(plan), file=sys.stderr, flush=True)
-        told = False
+        reported = False
         while not stop.wait(TURN):
             system.poll()
-            if not told and system.alive.issuperset(plan.services):
-                told = True
+            if not reported and system.alive.issuperset(plan.services):
+                reported = True
                 log.info("all services work")
     return 0
 
@@ -84,7 +84,7 @@ def name_part(text: str) -> str:
 
 
 def mount(arguments: argparse.Namespace, bus: Bus, stop: StopSignal) -> int:
-    """Measure the mount, around the configured one where --config or --set tell it."""
+    """Measure the mount, around the configured one where --config or --set give it."""
     nominal = None
     if arguments.config or arguments.set:
         nominal = configuration.load("capture", CaptureConfig, arguments.config, arguments.set).mounted_floor()
@@ -154,7 +154,7 @@ def build_parser() -> argparse.ArgumentParser:
         help="simulated with its camera; real, on kobuki.port; or none. The last two need capture.source",
     )
     started.add_argument(
-        "--world", default="", metavar="NAME", help=f"where the simulated robot is, {WORLD} unless told otherwise"
+        "--world", default="", metavar="NAME", help=f"where the simulated robot is, {WORLD} unless another is given"
     )
     routed = add("router", router, "Route between the processes of this machine, and to the routers --connect names.")
     routed.add_argument(
@@ -173,10 +173,10 @@ def build_parser() -> argparse.ArgumentParser:
         "Print a robot's live keys: tokens, and what is published, how often and as which message.",
     )
     listed.add_argument("--all", action="store_true", help="the robots on the network and their services instead")
-    told = add(
+    alive_parser = add(
         "alive", on_bus(lambda a, bus, stop: alive(a.service, bus, looked(a), stop)), "Exit 0 if a service works."
     )
-    told.add_argument("service", help="as fuse, or router for any router-NAME")
+    alive_parser.add_argument("service", help="as fuse, or router for any router-NAME")
     measured = add("calibrate", on_bus(mount), "Measure the camera's mount from the floor; print its configuration.")
     options.add_config(measured)
     measured.add_argument("--seconds", type=seconds, default=5.0, metavar="S", help="how long to look at the floor")
@@ -186,15 +186,15 @@ def build_parser() -> argparse.ArgumentParser:
     driven.epilog = f"Its commands have priority {PRIORITY}: they outrank those of a program, which have 0 by default."
     driven.add_argument("--linear", type=float, default=0.2, metavar="M/S", help="speed to begin with")
     driven.add_argument("--angular", type=float, default=0.8, metavar="RAD/S", help="turn rate to begin with")
-    heard = add(
+    echo_parser = add(
         "echo",
         on_bus(lambda a, bus, stop: echo(bus, a.key, a.count, a.timeout, a.full, stop)),
         "Print what is published on a key.",
     )
-    heard.add_argument("key", help="below the robot's name, as scan/fused; * and ** are wild")
-    heard.add_argument("--count", type=int, default=0, metavar="N", help="end after N messages")
-    heard.add_argument("--timeout", type=float, default=0.0, metavar="S", help="exit 1 if they take longer")
-    heard.add_argument("--full", action="store_true", help="print arrays whole")
+    echo_parser.add_argument("key", help="below the robot's name, as scan/fused; * and ** are wild")
+    echo_parser.add_argument("--count", type=int, default=0, metavar="N", help="end after N messages")
+    echo_parser.add_argument("--timeout", type=float, default=0.0, metavar="S", help="exit 1 if they take longer")
+    echo_parser.add_argument("--full", action="store_true", help="print arrays whole")
     return parser
 
 

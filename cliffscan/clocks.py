@@ -3,7 +3,7 @@
 from collections import deque
 
 KEPT = 10  # statuses of each service: a clock that is set is followed in as many seconds
-TOLERATED = 0.05  # [s] by which clocks may differ: less cannot be told from the network's delays
+TOLERATED = 0.05  # [s] by which clocks may differ: less cannot be distinguished from the network's delays
 REFERENCES = ("capture", "kobuki")  # the services on the robot, by whose clock the frames are stamped
 
 
@@ -18,12 +18,12 @@ class Clocks:
     def __init__(self) -> None:
         self._ways: dict[str, deque[int]] = {}  # [ns]
 
-    def heard(self, service: str, stamp: int, arrival: int) -> None:
+    def receive(self, service: str, stamp: int, arrival: int) -> None:
         """A status was stamped by the service's clock and came by the local clock, both [ns]."""
         self._ways.setdefault(service, deque(maxlen=KEPT)).append(arrival - stamp)
 
     def reference(self) -> str:
-        """The service on the robot whose clock is taken for the robot's; empty where none was heard."""
+        """The service on the robot whose clock is taken for the robot's; empty where none was received."""
         return next((name for name in REFERENCES if name in self._ways), "")
 
     def ahead(self, service: str) -> float:

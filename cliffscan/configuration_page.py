@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from typing import get_args
 
 from cliffscan.common.perception.scans import ScanConfig
-from cliffscan.common.runtime.config import PROFILE, PROFILES, SERVICES, ServiceConfig, home_tables
+from cliffscan.common.runtime.config import CONFIGURED, PROFILE, PROFILES, ServiceConfig, home_tables
 from cliffscan.common.runtime.settings import Setting, settings
 from cliffscan.preflight import config_class
 
@@ -31,7 +31,7 @@ def page() -> str:
     """The whole page."""
     parts = [INTRODUCTION, *_profiles()]
     parts += _section(ScanConfig.TABLE, ScanConfig)
-    for service in SERVICES:
+    for service in CONFIGURED:
         parts += _section(service, config_class(service))
     return "\n\n".join(parts) + "\n"
 
@@ -42,7 +42,7 @@ def _profiles() -> Iterator[str]:
     rows = [
         f"| `{name}` | `{service}.{key}` | {_value(value)} |"
         for name in PROFILES
-        for service in SERVICES
+        for service in CONFIGURED
         for key, value in config_class(service).PROFILES.get(name, {}).items()
     ]
     yield "\n".join(["| profile | setting | default |\n|---|---|---|", *rows])

@@ -97,21 +97,21 @@ class Latest(Generic[M]):
 
     def __init__(self, bus: Bus, topic: Topic[M]) -> None:
         self._kind = topic.message
-        self._heard: tuple[M, float] | None = None
+        self._received: tuple[M, float] | None = None
         bus.subscribe(topic.path, self._arrived)
 
     def _arrived(self, path: str, payload: bytes) -> None:  # noqa: ARG002
         with suppress(MessageError):  # then what is shown grows old, and says so
-            self._heard = self._kind.decode(payload), time.monotonic()
+            self._received = self._kind.decode(payload), time.monotonic()
 
     def aged(self, now: float) -> Aged[M] | None:
         """The message and its age at `now` [s]; None before the first."""
-        heard = self._heard
-        return Aged(heard[0], max(now - heard[1], 0.0)) if heard else None
+        received = self._received
+        return Aged(received[0], max(now - received[1], 0.0)) if received else None
 
 
 class Board:
-    """What was heard from the base, and what the keys ask for."""
+    """What was received from the base, and what the keys ask for."""
 
     def __init__(self, bus: Bus, pad: KeyPad) -> None:
         self._robot = bus.robot
@@ -134,13 +134,13 @@ class Board:
         )
 
 
-def _row(name: str, heard: Aged[M] | None, stale: float, told: Callable[[M], Line]) -> Line:
-    """`name`, what the message tells and how old it is."""
-    if heard is None:
-        return Line(f"{name:10}nothing heard yet", alarm=True)
-    line = told(heard.message)
-    late = heard.age > stale
-    return Line(f"{name:10}{line.text}   ({'STALE, ' if late else ''}{heard.age:.1f} s old)", line.alarm or late)
+def _row(name: str, received: Aged[M] | None, stale: float, words: Callable[[M], Line]) -> Line:
+    """`name`, what the message holds and how old it is."""
+    if received is None:
+        return Line(f"{name:10}nothing received yet", alarm=True)
+    line = words(received.message)
+    late = received.age > stale
+    return Line(f"{name:10}{line.text}   ({'STALE, ' if late else ''}{received.age:.1f} s old)", line.alarm or late)
 
 
 def _battery(state: BaseState) -> Line:
@@ -152,11 +152,11 @@ def _pose(odometry: Odometry) -> Line:
     return Line(f"x {x:+.3f} m   y {y:+.3f} m   heading {math.degrees(theta):+.1f} deg")
 
 
-def _gate(heard: Aged[SafetyState] | None) -> list[Line]:
-    rule = _row("gate", heard, STALE_SAFETY, _rule)
-    if heard is None:
+def _gate(received: Aged[SafetyState] | None) -> list[Line]:
+    rule = _row("gate", received, STALE_SAFETY, _rule)
+    if received is None:
         return [rule]
-    state = heard.message
+    state = received.message
     why = state.note or MEANING[state.rule]
     return [
         rule,

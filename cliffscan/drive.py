@@ -1,7 +1,7 @@
 """`cliffscan drive`: drive the robot with the keys of a terminal, also over ssh.
 
-Whatever ends it, the robot is told to stand still before anything else is put in order. Nothing here can wait for the
-terminal: its screen is drawn without blocking, or a line that hangs would keep the last velocity from changing.
+Whatever ends it, the robot is commanded to stand still before anything else is put in order. Nothing here can wait for
+the terminal: its screen is drawn without blocking, or a line that hangs would keep the last velocity from changing.
 """
 
 from __future__ import annotations
@@ -13,12 +13,12 @@ import termios
 import threading
 import time
 from contextlib import suppress
-from typing import Protocol, Self
+from typing import Self
 
 from cliffscan.common.contract.base_messages import Velocity
 from cliffscan.common.contract.message import MessageError
 from cliffscan.common.contract.topics import VELOCITY, command
-from cliffscan.common.runtime.bus import Bus
+from cliffscan.common.runtime.bus import Bus, Publisher
 from cliffscan.common.runtime.service import USAGE_ERROR, StopSignal
 from cliffscan.dashboard import Board, lines, screen
 from cliffscan.hang_up import hang_up_stops
@@ -32,7 +32,7 @@ FAREWELL = 3  # zero velocities at the end
 ANSWER_WITHIN = 1.0  # [s]
 ROOM = 1024  # bytes of typing that are taken at once
 OPEN, CLOSE = b"\x1b[?1049h\x1b[?25l", b"\x1b[0m\x1b[?25h\x1b[?1049l"  # the alternate screen, without cursor
-USUAL_SIZE = os.terminal_size((80, 24))  # of a terminal that does not tell its own
+USUAL_SIZE = os.terminal_size((80, 24))  # of a terminal that does not report its own
 
 
 def drive(bus: Bus, stop: StopSignal, linear: float, angular: float) -> int:
@@ -64,7 +64,7 @@ def _refusal(linear: float, angular: float) -> str:
 
 
 def _follow(stop: StopSignal, pad: KeyPad, terminal: Terminal, orders: Orders, wheels: Wheels, board: Board) -> None:
-    """Do what the keys say until one says quit, the terminal is gone or the process is told to end."""
+    """Do what the keys say until one says quit, the terminal is gone or the process is asked to end."""
     drawn = 0.0
     while not stop.is_set():
         typed = terminal.read(wheels.due - time.monotonic())
@@ -83,9 +83,9 @@ def _follow(stop: StopSignal, pad: KeyPad, terminal: Terminal, orders: Orders, w
 
 
 class Wheels:
-    """Says the velocity: at once when it changes, every PERIOD while it is wanted, and zero at the end."""
+    """Publishes the velocity: at once when it changes, every PERIOD while it is wanted, and zero at the end."""
 
-    def __init__(self, publisher: Says) -> None:
+    def __init__(self, publisher: Publisher[Velocity]) -> None:
         self.due = 0.0  # [s] when turn() is to be called again
         self._publisher = publisher
         self._motion: Motion | None = None
@@ -114,13 +114,6 @@ class Wheels:
                 stamp=time.time_ns(), linear=motion.linear, angular=motion.angular, source=SOURCE, priority=PRIORITY
             )
         )
-
-
-class Says(Protocol):
-    """Publishes velocities."""
-
-    def put(self, message: Velocity) -> None:
-        """Send one."""
 
 
 class Terminal:

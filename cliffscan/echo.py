@@ -14,36 +14,36 @@ from cliffscan.plain import plain
 from cliffscan.show import line
 
 ROOM = 256  # samples that may wait to be printed
-QUIET = 3.0  # [s] without a message, after which that is told
+QUIET = 3.0  # [s] without a message, after which that is reported
 NAMED = 12  # live keys that are named
 
 
 def echo(bus: Bus, path: str, count: int, timeout: float, full: bool, stop: StopSignal) -> int:
     """Print `count` messages (0: all) of `path`; 1 where they did not come within `timeout` [s] (0: no limit).
 
-    Where none comes, standard error tells what else is live: at the end, or after QUIET where there is no end.
+    Where none comes, standard error names what else is live: at the end, or after QUIET where there is no end.
     """
     queue: LatestQueue[tuple[str, bytes]] = LatestQueue(ROOM)
     bus.subscribe(path, lambda key, payload: queue.put((key, payload)))
-    printed, told = 0, False
+    printed, reported = 0, False
     begun = time.monotonic()
     while not stop.is_set() and not (count and printed == count):
         arrived = queue.get(PATIENCE)
         passed = time.monotonic() - begun
         if arrived:
-            print(_told(*arrived, full), flush=True)
+            print(_printable(*arrived, full), flush=True)
             printed += 1
         elif timeout and passed > timeout:
             _complain(f"{printed} of {count or 'all'} messages" if printed else "nothing", bus, path, timeout, stop)
             return 1
-        elif not timeout and not printed and not told and passed > QUIET:
-            told = True
+        elif not timeout and not printed and not reported and passed > QUIET:
+            reported = True
             _complain("nothing yet", bus, path, QUIET, stop)
     return 0
 
 
 def _complain(what: str, bus: Bus, path: str, seconds: float, stop: StopSignal) -> None:
-    """Tell on one line what did not come, and which keys are live."""
+    """Name on one line what did not come, and which keys are live."""
     keys = [key.path for key in live_keys(bus, stop)]
     if keys:
         more = f" and {len(keys) - NAMED} more (cliffscan list)" if len(keys) > NAMED else ""
@@ -55,7 +55,7 @@ def _complain(what: str, bus: Bus, path: str, seconds: float, stop: StopSignal) 
     print(f"cliffscan: {plain(text)}", file=sys.stderr, flush=True)
 
 
-def _told(path: str, payload: bytes, full: bool) -> str:
+def _printable(path: str, payload: bytes, full: bool) -> str:
     kind = message_at(path)
     if kind is None:
         return plain(f"{path} {len(payload)} bytes of a message that the contract does not name")

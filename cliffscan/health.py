@@ -16,7 +16,7 @@ FEEDS = {  # by whom each service is fed, and with what
 SETTLED = 3.0  # [s] after its start a service may still have received nothing
 
 
-class Heard(NamedTuple):
+class LastStatus(NamedTuple):
     """A service's last status, and when it came by this machine's steady clock [s]."""
 
     status: ServiceStatus
@@ -33,7 +33,7 @@ class Health(NamedTuple):
     notes: list[str]
 
 
-def examine(alive: set[str], last: Mapping[str, Heard], clocks: Clocks, now: float) -> list[Health]:
+def examine(alive: set[str], last: Mapping[str, LastStatus], clocks: Clocks, now: float) -> list[Health]:
     """Every service that is there or should be, in alphabetical order. now: by the steady clock [s]."""
     silent = {name for name in alive | last.keys() if name not in last or now - last[name].at > SILENT}
     working = {name: last[name].status for name in alive if name not in silent}
@@ -42,12 +42,12 @@ def examine(alive: set[str], last: Mapping[str, Heard], clocks: Clocks, now: flo
 
 
 def _examined(
-    name: str, alive: bool, heard: Heard | None, working: Mapping[str, ServiceStatus], clocks: Clocks, now: float
+    name: str, alive: bool, last: LastStatus | None, working: Mapping[str, ServiceStatus], clocks: Clocks, now: float
 ) -> Health:
-    if heard is None:
+    if last is None:
         state, note = _without_status(name, alive)
         return Health(name, state, None, (0.0, 0.0), [note] if note else [])
-    status, age, ahead = heard.status, now - heard.at, clocks.ahead(name)
+    status, age, ahead = last.status, now - last.at, clocks.ahead(name)
     notes = [status.note] if status.note else []
     if age > SILENT:
         notes.append(f"no status for {age:.0f} s: it hangs, or the way to it is cut")
@@ -66,9 +66,9 @@ def _state(status: ServiceStatus, alive: bool) -> str:
 
 
 def _without_status(name: str, alive: bool) -> tuple[str, str]:
-    """State and note of a service that was never heard to tell its status."""
+    """State and note of a service that never published its status."""
     if not alive:
-        return "not heard", ""
+        return "not found", ""
     return "alive", "it is alive, but no status of it comes" if name in SERVICES else ""
 
 
@@ -88,5 +88,5 @@ def _why_idle(name: str, working: Mapping[str, ServiceStatus]) -> str:
 
 
 def missing(healths: list[Health]) -> list[str]:
-    """The services that should be there and of which nothing is heard."""
-    return [health.name for health in healths if health.state == "not heard"]
+    """The services that should be there and of which nothing is received."""
+    return [health.name for health in healths if health.state == "not found"]

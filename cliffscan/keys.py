@@ -1,6 +1,6 @@
 """What the keys of a terminal ask of the robot: bytes and times go in, a motion comes out; no terminal, no clock.
 
-A terminal tells of presses only, never of a release. A key that is held repeats itself, but only after 0.25 to
+A terminal reports presses only, never of a release. A key that is held repeats itself, but only after 0.25 to
 0.7 s, then some 30 times a second. So a press drives for FIRST_HOLD, long enough for the repeats to begin, and each
 repeat for REPEAT_HOLD: the robot stops at most REPEAT_HOLD after a held key is released, FIRST_HOLD after a tapped
 one. A terminal repeats only the key that was pressed last: two keys pressed in turn, forward and left, drive an arc
@@ -15,7 +15,7 @@ from typing import NamedTuple
 FIRST_HOLD = 0.5  # [s] a press drives
 REPEAT_HOLD = 0.15  # [s] a repeat drives
 REPEAT_WITHIN = 0.12  # [s] after a press of the same key: quicker than fingers, slower than any keyboard's repeats
-SETTLE = 0.5  # [s] the robot is told to stand still after it was driven
+SETTLE = 0.5  # [s] the robot is commanded to stand still after it was driven
 FASTEST = 0.70  # [m/s] the base can do
 FASTEST_TURN = 1.91  # [rad/s] above, its gyro loses the heading
 STEP = 0.05  # [m/s]

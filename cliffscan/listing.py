@@ -34,14 +34,14 @@ def list_robots(bus: Bus, where: str, stop: StopSignal) -> int:
     for robot, services in sorted(robots.items()):
         print(f"{plain(robot)}: {', '.join(map(plain, sorted(services)))}")
     if not robots:
-        print(f"cliffscan: no robot heard, {where}; is `cliffscan up` running?", file=sys.stderr)
+        print(f"cliffscan: no robot found, {where}; is `cliffscan up` running?", file=sys.stderr)
     return 0 if robots else 1
 
 
 def nothing_of(robot: str, others: set[str], where: str) -> str:
     """A line for who looks for a robot that is not there, and what to do."""
-    heard = f"; other robots heard: {_names(others)} (--robot NAME)" if others else ""
-    return f"cliffscan: nothing of robot {robot} heard, {where}{heard}; is `cliffscan up` running?"
+    found = f"; other robots found: {_names(others)} (--robot NAME)" if others else ""
+    return f"cliffscan: nothing of robot {robot} found, {where}{found}; is `cliffscan up` running?"
 
 
 def _names(robots: set[str]) -> str:

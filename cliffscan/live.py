@@ -1,13 +1,18 @@
-"""What is published and who is alive on the network, for a short look."""
+"""What is published and who is alive on the network, for a short look; `cliffscan alive SERVICE` for scripts."""
 
+import sys
 import threading
 import time
 from typing import NamedTuple
 
 from cliffscan.common.runtime.bus import Bus
+from cliffscan.common.runtime.config import SERVICES
 from cliffscan.common.runtime.service import StopSignal
+from cliffscan.common.runtime.suggest import suggest
+from cliffscan.plain import plain
 
-NEWS = 1.0  # [s] in which a new session has heard of every service that works
+NEWS = 1.0  # [s] in which a new session knows of every service that works
+TURN = 0.1  # [s] between two looks at what is alive
 LOOK = 1.5  # [s] in which all that is published at 1 Hz comes at least once
 
 
@@ -39,3 +44,22 @@ def live_keys(bus: Bus, stop: StopSignal, seconds: float = LOOK) -> list[LiveKey
 def is_token(wanted: str, token: str) -> bool:
     """Whether a liveliness token is the one of service `wanted`, or of one of several by that name: `wanted-…`."""
     return token == wanted or token.startswith(f"{wanted}-")
+
+
+def alive(service: str, bus: Bus, where: str, stop: StopSignal) -> int:
+    """0 as soon as `service`, or one of several by that name, works; 1 where that takes longer than news can take."""
+    deadline = time.monotonic() + NEWS
+    while True:
+        tokens = bus.alive()
+        if any(is_token(service, token) for token in tokens):
+            return 0
+        if time.monotonic() > deadline or stop.wait(TURN):
+            print(f"cliffscan: {plain(_complaint(service, tokens, bus.robot, where))}", file=sys.stderr)
+            return 1
+
+
+def _complaint(service: str, tokens: set[str], robot: str, where: str) -> str:
+    if not tokens:
+        return f"{service} is not alive, nor is any service of {robot}, {where}; is `cliffscan up` running?"
+    there = ", ".join(sorted(tokens))
+    return f"{service} is not alive; of {robot} there are {there}{suggest(service, {*tokens, *SERVICES} - {service})}"

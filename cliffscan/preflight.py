@@ -13,9 +13,8 @@ from cliffscan.common.runtime.config import ConfigError, ServiceConfig
 
 def config_class(service: str) -> type[ServiceConfig]:
     """A service's configuration class. Raises ImportError where it cannot run here."""
-    kind: type[ServiceConfig] = getattr(
-        import_module(f"cliffscan.services.{service}.config"), f"{service.title()}Config"
-    )
+    name = service.title().replace("_", "") + "Config"
+    kind: type[ServiceConfig] = getattr(import_module(f"cliffscan.services.{service}.config"), name)
     return kind
 
 

@@ -1,4 +1,4 @@
-"""Messages for people: one line of JSON, long arrays told in a few words."""
+"""Messages for people: one line of JSON, long arrays put in a few words."""
 
 import json
 import math
@@ -28,13 +28,13 @@ def _number(value: float) -> float | str | None:
 
 
 def _words(value: Any) -> str:  # noqa: ANN401
-    return _told(value) if isinstance(value, np.ndarray) else f"{len(value)} bytes"
+    return _in_words(value) if isinstance(value, np.ndarray) else f"{len(value)} bytes"
 
 
-def _told(values: NDArray[Any]) -> str:
+def _in_words(values: NDArray[Any]) -> str:
     numbers = values[np.isfinite(values)]
-    told = f"{numbers.size} numbers"
+    words = f"{numbers.size} numbers"
     if numbers.size:
-        told += f" from {numbers.min():.3f} to {numbers.max():.3f}"
+        words += f" from {numbers.min():.3f} to {numbers.max():.3f}"
     free, unseen = int(np.isposinf(values).sum()), int(np.isnan(values).sum())
-    return told + (f", {free} inf" if free else "") + (f", {unseen} nan" if unseen else "")
+    return words + (f", {free} inf" if free else "") + (f", {unseen} nan" if unseen else "")

@@ -15,12 +15,12 @@ from cliffscan.common.contract.messages import ServiceStatus
 from cliffscan.common.contract.topics import STATUS
 from cliffscan.common.runtime.bus import Bus
 from cliffscan.common.runtime.service import StopSignal
-from cliffscan.health import Health, Heard, examine, missing
+from cliffscan.health import Health, LastStatus, examine, missing
 from cliffscan.listing import nothing_of
 from cliffscan.plain import plain
 
-PERIOD = 1.2  # [s] in which every service has told how it fares
-ORDINARY = ("published", "received")  # counts that tell of nothing odd
+PERIOD = 1.2  # [s] in which every service has published how it fares
+ORDINARY = ("published", "received")  # counts of nothing odd
 COLUMNS = ("service", "state", "Hz", "p50 ms", "p99 ms", "counts")
 NUMBERS = ("Hz", "p50 ms", "p99 ms")
 
@@ -35,23 +35,23 @@ class Board:
     def __init__(self, bus: Bus) -> None:
         self._bus = bus
         self._lock = threading.Lock()
-        self._last: dict[str, Heard] = {}
+        self._last: dict[str, LastStatus] = {}
         self._clocks = Clocks()
-        bus.subscribe(STATUS.named("*").path, self._heard)
+        bus.subscribe(STATUS.named("*").path, self._receive)
 
-    def _heard(self, path: str, payload: bytes) -> None:
+    def _receive(self, path: str, payload: bytes) -> None:
         arrival, now = time.time_ns(), time.monotonic()
         try:
-            told = ServiceStatus.decode(payload)
+            status = ServiceStatus.decode(payload)
         except MessageError:
             return  # the board shows what it can; the reader sees the service without a status
         service = path.rpartition("/")[2]
         with self._lock:
-            self._last[service] = Heard(told, now)
-            self._clocks.heard(service, told.stamp, arrival)
+            self._last[service] = LastStatus(status, now)
+            self._clocks.receive(service, status.stamp, arrival)
 
     def healths(self) -> list[Health]:
-        """Every service; none where nothing of the robot is heard."""
+        """Every service; none where nothing of the robot is received."""
         alive = self._bus.alive()
         with self._lock:
             if not alive and not self._last:
@@ -70,7 +70,7 @@ def picture(robot: str, healths: list[Health]) -> Group:
     absent = missing(healths)
     if absent:
         remedy = "where they run, does its router join this one (cliffscan router --connect tcp/HOST:7447)?"
-        notes.append(Text(f"not heard: {', '.join(absent)}: {remedy}"))
+        notes.append(Text(f"not found: {', '.join(absent)}: {remedy}"))
     return Group(table, *notes)
 
 
@@ -84,7 +84,7 @@ def _row(health: Health) -> tuple[str, ...]:
 
 
 def status(bus: Bus, watch: bool, where: str, stop: StopSignal) -> int:
-    """Print the table once, or keep it up to date; 1 where nothing of the robot is heard.
+    """Print the table once, or keep it up to date; 1 where nothing of the robot is received.
 
     where: on the network was looked, in words.
     """

@@ -127,29 +127,29 @@ class Plan:
             if not any(meant_for(service, override) for service in SERVICES):
                 expected, meant = ", ".join(TABLES), suggest(override.partition(".")[0], TABLES)
                 raise ConfigError(f"--set {override}: expected TABLE.KEY=VALUE, TABLE one of {expected}{meant}")
-        said = configuration.given("capture", CaptureConfig, self.config, self.own("capture"))
+        given = configuration.given("capture", CaptureConfig, self.config, self.own("capture"))
         if self.world:
-            self._check_world(said)
+            self._check_world(given)
         else:
-            self._check_camera(said.get("source"))
+            self._check_camera(given.get("source"))
         for service in SERVICES:
             simulated = self._simulated_camera() if service == "capture" else []
             preflight.load_config(service, self.config, [*self.own(service), *simulated])
 
-    def _check_world(self, said: Mapping[str, object]) -> None:
-        """A simulated robot has a camera and a base of its own. said: of capture. Raises ConfigError."""
+    def _check_world(self, given: Mapping[str, object]) -> None:
+        """A simulated robot has a camera and a base of its own. given: of capture. Raises ConfigError."""
         if self.base == "real":
             raise ConfigError("a simulated world has no place for a real base: leave out the one or the other")
         preflight.check_world(self.world)
-        if said.get("source", "simulator") != "simulator":
+        if given.get("source", "simulator") != "simulator":
             raise ConfigError(
-                f"capture.source={said['source']} shows another place than the simulated robot's world {self.world}:"
+                f"capture.source={given['source']} shows another place than the simulated robot's world {self.world}:"
                 " add --base real, or --base none"
             )
-        if said.get("world", self.world) != self.world:
-            raise ConfigError(f"capture.world={said['world']}: the robot is in {self.world}; --world NAME chooses it")
-        if said.get("simulation"):
-            raise ConfigError(f"capture.simulation={said['simulation']}: it is another simulation's; add --base none")
+        if given.get("world", self.world) != self.world:
+            raise ConfigError(f"capture.world={given['world']}: the robot is in {self.world}; --world NAME chooses it")
+        if given.get("simulation"):
+            raise ConfigError(f"capture.simulation={given['simulation']}: it is another simulation's; add --base none")
         port = next((each for each in self.overrides if each.startswith("kobuki.port=")), None)
         if port:
             raise ConfigError(f"--set {port}: the simulated robot has a base of its own; add --base real for this one")
@@ -193,7 +193,7 @@ class System:
             entered.enter_context(self.supervisor)
             self.supervisor.start("router", self.plan.router(), ground=True)
             self.bus = entered.enter_context(self._connect())
-            self.bus.watch_alive(self._changed)
+            self.bus.watch_alive(self.changed)
             for name in FIRST:
                 self.supervisor.start(name, self.plan.service(name))
             self._base = self.plan.base_processes()
@@ -231,7 +231,8 @@ class System:
                 self._stop.wait(TURN)
         raise SystemExit(0)
 
-    def _changed(self, service: str, alive: bool) -> None:
+    def changed(self, service: str, alive: bool) -> None:
+        """A service works, or does so no longer."""
         if alive:
             self.alive.add(service)
             log.info("%s is ready", plain(service))

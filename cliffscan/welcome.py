@@ -1,4 +1,4 @@
-"""What `cliffscan up` tells first: what it starts, and what to type next."""
+"""What `cliffscan up` prints first: what it starts, and what to type next."""
 
 from cliffscan.system import Plan
 

@@ -9,7 +9,7 @@ from cliffscan.common.contract.base_messages import Triple
 from cliffscan.common.contract.camera import Floats
 from cliffscan.common.contract.map_messages import OccupancyGrid
 from evaluation.truth.beam_truth import Mask
-from evaluation.truth.map_truth import Ground, nearest
+from evaluation.truth.world_truth import Ground, nearest
 from examples.slam.map_files import FREE_UP_TO, OCCUPIED_FROM
 
 DEFINITIONS = """\

@@ -1,7 +1,9 @@
 """Tables of results, the same for the terminal and as Markdown, and figures as text."""
 
+import csv
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
 from typing import NamedTuple, TypeVar
 
 from rich.box import SIMPLE_HEAD
@@ -36,6 +38,15 @@ class Table(NamedTuple):
         rule = ["---:" if place >= self.numeric else "---" for place in range(len(self.headings))]
         lines = "\n".join(f"| {' | '.join(cells)} |" for cells in (self.headings, rule, *self.rows))
         return "\n\n".join(part for part in (f"{'#' * level} {self.title}", lines, self.note) if part)
+
+
+def write_csv(records: Iterable[Mapping[str, object]], path: Path) -> None:
+    """Write records, of which there is at least one, as lines under the keys that they share."""
+    first, *others = records
+    with path.open("w", newline="") as file:
+        writer = csv.DictWriter(file, list(first))
+        writer.writeheader()
+        writer.writerows([first, *others])
 
 
 def number(value: float, spec: str) -> str:

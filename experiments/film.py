@@ -64,10 +64,10 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as out:
         run = Run(Console(), StopSignal(), Path(out), [])
         run.log_file.touch()
-        with telling(run) as (progress, log):
-            drive = drive_round(run, "odometry_map", ROUND, log, progress)
+        with telling(run) as display:
+            drive = drive_round(run, "odometry_map", ROUND, display)
             frames = [frame for frame in drive.survey.frames if frame.image.stamp in drive.truth][1:]
-            pictures = [picture(run, drive, frame) for frame in progress.track(frames, description="drawing")]
+            pictures = [picture(run, drive, frame) for frame in display.progress.track(frames, description="drawing")]
     colours = pictures[-1].quantize(COLOURS, Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE)  # rare colours too
     flat = [each.quantize(palette=colours, dither=Image.Dither.NONE) for each in pictures]
     times = [PACE] * (len(flat) - 1) + [LAST]

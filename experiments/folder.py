@@ -33,8 +33,8 @@ def run_folder(run: Run, folder: Path) -> None:
     file, images, name = read_camera(folder), images_of(folder), folder.resolve().name
     drawn = {images[place] for place in np.linspace(0, len(images) - 1, min(MOST_PICTURES, len(images))).astype(int)}
     ranges: dict[str, list[np.ndarray]] = {}
-    with telling(run) as (progress, _):
-        for image, frame in frames_of(run, file, images, progress, name):
+    with telling(run) as display:
+        for image, frame in frames_of(run, file, images, display.progress, name):
             for scan, told in frame.scans.items():
                 ranges.setdefault(scan, []).append(told.ranges)
             if image in drawn:

@@ -1,9 +1,10 @@
 """What was published of one frame, put together by its number and stamp."""
 
 from collections.abc import Mapping
-from typing import NamedTuple, Self
+from typing import Any, NamedTuple, Self
 
 from cliffscan.common.contract.messages import DepthImage, LaserScan
+from cliffscan.common.contract.topics import DEPTH
 from cliffscan.common.perception.combine import combine
 
 ROOM = 64  # frames that may wait for their last message
@@ -33,25 +34,16 @@ class Gathering:
 
     def __init__(self, names: Mapping[str, str]) -> None:
         self._names = names
-        self._images: dict[tuple[int, int], DepthImage] = {}
-        self._scans: dict[tuple[int, int], dict[str, LaserScan]] = {}
+        self._waiting: dict[tuple[int, int], dict[str, Any]] = {}  # messages by path, of each frame
 
     def take(self, path: str, message: DepthImage | LaserScan) -> Frame | None:
         """Take in what was published on `path`. The frame, where this completes one."""
         key = message.seq, message.stamp
-        scans = self._scans.setdefault(key, {})
-        if isinstance(message, DepthImage):
-            self._images[key] = message
-        else:
-            scans[self._names[path]] = message
-        if key in self._images and len(scans) == len(self._names):
-            del self._scans[key]
-            return Frame(self._images.pop(key), {name: scans[name] for name in self._names.values()})
-        self._drop_oldest()
+        parts = self._waiting.setdefault(key, {})
+        parts[path] = message
+        if len(parts) > len(self._names):
+            del self._waiting[key]
+            return Frame(parts[DEPTH.path], {name: parts[each] for each, name in self._names.items()})
+        if len(self._waiting) > ROOM:
+            del self._waiting[next(iter(self._waiting))]
         return None
-
-    def _drop_oldest(self) -> None:
-        while len(self._scans) > ROOM:
-            oldest = next(iter(self._scans))
-            del self._scans[oldest]
-            self._images.pop(oldest, None)

@@ -2,29 +2,26 @@
 
 import math
 import time
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
+from contextlib import ExitStack
 from itertools import pairwise
 from typing import NamedTuple
-
-from rich.progress import Progress
 
 from cliffscan.common.contract.camera import Floats
 from cliffscan.common.contract.map_messages import OccupancyGrid
 from cliffscan.common.contract.topics import VELOCITY
-from cliffscan.common.runtime.latest_queue import LatestQueue
 from cliffscan.services.capture.config import CaptureConfig
 from cliffscan.simulator.world import Pose, World
 from evaluation.map_score import DEFINITIONS, MapScore, pose_errors, score
 from evaluation.pictures.maps import map_panel
 from evaluation.pictures.sheet import write_sheet
-from evaluation.processes.service_log import ServiceLog
 from evaluation.processes.steering import Look, Step, To
-from evaluation.processes.truth_feed import Truth
+from evaluation.processes.truth_feed import Truth, TruthFeed
 from evaluation.processes.watch import Failed, Watch
 from evaluation.tables import Table, percent
-from evaluation.truth.map_truth import Ground, seen
-from experiments.map_system import REACH, SCANS, Mapper, MapSystem, Setting, map_system
-from experiments.run import Run, tell, telling
+from evaluation.truth.world_truth import Ground, seen
+from experiments.map_system import REACH, SCANS, WANTED, Mapper, map_system
+from experiments.run import Display, Run, telling
 from experiments.survey import Survey
 
 WORLD = "landing"
@@ -40,8 +37,6 @@ ROUND: Sequence[Step] = (
     To(-0.7, 0.4),
     To(0.0, 0.0),
 )
-ROOM = 1024  # samples that may wait to be read
-TURN = 0.1  # [s] the longest wait, so how often the processes are looked after
 # of the first second: kobuki is started before its port is there, and fuse is ready before it receives both its sides
 EXPECTED = ("kobuki: port_lost", "kobuki: baseline", "fuse: incomplete")
 VIEWS = 4  # of so many viewpoints one is asked what is in view
@@ -80,9 +75,9 @@ class Drive(NamedTuple):
 def run_mapping(run: Run, steps: Sequence[Step], mapper: Mapper) -> None:
     """Drive, draw the maps and tell how good they are. Raises Failed, ConfigRefused, SystemExit."""
     born = time.monotonic()
-    with telling(run) as (progress, log):
-        drive = drive_round(run, mapper, steps, log, progress)
-        task = progress.add_task(f"{WORLD}: scoring and drawing", total=None)
+    with telling(run) as display:
+        drive = drive_round(run, mapper, steps, display)
+        task = display.progress.add_task(f"{WORLD}: scoring and drawing", total=None)
         scores = drive.scores()
         panels = [
             map_panel(grid, drive.ground, drive.in_view, drive.way, title(name, scores[name]))
@@ -90,7 +85,7 @@ def run_mapping(run: Run, steps: Sequence[Step], mapper: Mapper) -> None:
         ]
         text = "One drive on the landing, mapped from three scans, over the true outline"
         write_sheet(run.out / "maps.png", text, panels, len(panels), HEIGHT)
-        progress.remove_task(task)
+        display.progress.remove_task(task)
     run.tell(map_table(scores, about(drive)), "maps.md", born)
 
 
@@ -116,44 +111,27 @@ def map_table(scores: Mapping[str, MapScore], drive: str) -> Table:
     return Table(f"The same drive mapped from three scans: {drive}", HEADINGS, rows, 1, DEFINITIONS)
 
 
-def drive_round(run: Run, mapper: Mapper, steps: Sequence[Step], log: ServiceLog, progress: Progress) -> Drive:
+def drive_round(run: Run, mapper: Mapper, steps: Sequence[Step], display: Display) -> Drive:
     """Run the services, lead the robot along the steps, and end all. Raises Failed, ConfigRefused, SystemExit."""
     mount = run.config("capture", CaptureConfig)
-    setting = Setting(WORLD, mapper, run.out, run.overrides, mount.mounted_floor())
-    task = progress.add_task(setting.world, total=None)
-    with map_system(setting, run.stop) as system:
+    with map_system(run, WORLD, mapper, mount.mounted_floor()) as system, ExitStack() as opened:
         run.stop.patient = True
-        survey = Survey(steps, SCANS, system.bus.publisher(VELOCITY))
-        for state in lead(system, survey):
-            tell(progress, log, EXPECTED)
-            told = f"{setting.world}: {state}"
-            progress.update(task, completed=survey.done, total=survey.total, description=told)
-            if run.stop.is_set():
-                raise SystemExit
-        truth = dict(system.feed.by_stamp) if system.feed else {}
-        progress.update(task, completed=survey.done, description=f"{setting.world}: ending the services")
+        survey, watch = Survey(steps, SCANS, system.bus.publisher(VELOCITY)), Watch(system, WANTED, "driving")
+        feed: TruthFeed | None = None
+        for path, payload in display.attend(watch, survey, run.stop, WORLD, EXPECTED):
+            if feed is None and "capture" in system.alive:
+                feed = TruthFeed(f"{system.plan.folder}/frames")
+                opened.callback(feed.close)
+            survey.receive(path, payload, go=watch.started and feed is not None)
+        truth = dict(feed.by_stamp) if feed else {}
     run.stop.patient = False
-    progress.update(task, description=setting.world)
+    display.ended(WORLD)
     if any(each.fallen for each in truth.values()):
-        raise Failed(f"the robot fell in {setting.world}")
+        raise Failed(f"the robot fell in {WORLD}")
     world = World(WORLD)
     ground = Ground.of(world)
     viewpoints = [each.viewpoint for each in truth.values()][::VIEWS]
     return Drive(survey, truth, ground, ground.edges[seen(world, ground.edges, viewpoints, mount.kinect(), REACH)])
-
-
-def lead(system: MapSystem, survey: Survey) -> Iterator[str]:
-    """Let the survey receive all it needs until it is done; what is waited for, again and again. Raises Failed."""
-    queue: LatestQueue[tuple[str, bytes]] = LatestQueue(ROOM)
-    for path in survey.paths:
-        system.bus.subscribe(path, lambda key, payload: queue.put((key, payload)))
-    watch = Watch(system, wanted=system.wanted, work="driving")
-    while survey.done < survey.total:
-        watch.look(survey)
-        yield watch.state
-        arrived = queue.get(TURN)
-        if arrived:
-            survey.receive(*arrived, go=watch.started and system.feed is not None)
 
 
 def about(drive: Drive) -> str:

@@ -10,23 +10,10 @@ from evaluation.pictures.plan import Extent, extent_of
 from evaluation.pictures.sheet import IMAGE_HEIGHT, write_sheet
 from experiments.frames import Frame
 
+IN_PAPER = ("depth", "floor points", "points below", "farthest_point", "virtual_floor", "paper")
 FIGURES = {  # of the paper, by world and by what is shown
-    "paper_room": {
-        "depth": 11,
-        "floor points": 12,
-        "points below": 17,
-        "farthest_point": 13,
-        "virtual_floor": 18,
-        "paper": 21,
-    },
-    "paper_room_open": {
-        "depth": 14,
-        "floor points": 15,
-        "points below": 19,
-        "farthest_point": 16,
-        "virtual_floor": 20,
-        "paper": 22,
-    },
+    world: dict(zip(IN_PAPER, figures, strict=True))
+    for world, figures in (("paper_room", (11, 12, 17, 13, 18, 21)), ("paper_room_open", (14, 15, 19, 16, 20, 22)))
 }
 TITLES = {
     "depth": "Depth image",

@@ -74,7 +74,7 @@ class OdometryMonitor:
             earlier = self._commanded(wheel, now - REVERSED)
             reversed_ = min(earlier) * max(earlier) < 0.0
             if least >= SLOWEST and not reversed_ and abs(speed) < STANDS * least:
-                return f"the {name} wheel is told to turn and its encoder stands still"
+                return f"the {name} wheel is commanded to turn and its encoder stands still"
         return ""
 
     def runaway(self, now: float) -> str:
@@ -84,7 +84,7 @@ class OdometryMonitor:
         for wheel, (name, speed) in enumerate(self._wheel_speeds()):
             fastest = max(map(abs, self._commanded(wheel, now - BRAKED)))
             if abs(speed) > fastest + TOO_FAST:
-                return f"the {name} wheel turns at {abs(speed):.2f} m/s and was told {fastest:.2f} m/s at most"
+                return f"the {name} wheel turns at {abs(speed):.2f} m/s and was commanded {fastest:.2f} m/s at most"
         return ""
 
     def contradicted(self) -> str:

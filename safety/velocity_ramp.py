@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 from cliffscan.safety.inputs import SafetyLimits, Twist
 
-LONGEST_STEP = 0.1  # [s] for which an acceleration is given at once
+LONGEST_INCREMENT = 0.1  # [s] for which an acceleration is given at once
 
 
 class VelocityRamp(NamedTuple):
@@ -26,7 +26,7 @@ class VelocityRamp(NamedTuple):
         A robot that starts keeps to the arc that was asked for; one that drives already is not slowed down to turn, and
         one that turns already goes on turning.
         """
-        step = min(max(self.seconds, 0.0), LONGEST_STEP)
+        step = min(max(self.seconds, 0.0), LONGEST_INCREMENT)
         before = self.before
         linear = _toward(before.linear, wanted.linear, self.limits.acceleration * step)
         part = min(linear / wanted.linear, 1.0) if linear * wanted.linear > 0.0 else 1.0

@@ -12,10 +12,9 @@ from pathlib import Path
 from cliffscan.simulator.frame_server import FrameServer
 from cliffscan.simulator.kinect import kinect_camera
 from cliffscan.simulator.kobuki.__main__ import USAGE_ERROR, stop_signal
-from cliffscan.simulator.kobuki.cable import Cable, CableError
+from cliffscan.simulator.kobuki.cable import PathError
 from cliffscan.simulator.kobuki.drive import WheelModel
 from cliffscan.simulator.kobuki.runner import Runner
-from cliffscan.simulator.kobuki.server import ControlServer, ServerError
 from cliffscan.simulator.live import Live
 from cliffscan.simulator.robot import RobotSimulation
 from cliffscan.simulator.wire import WireError
@@ -66,21 +65,13 @@ def main() -> None:
             if frames:
                 opened.callback(frames.close)
             live = Live(simulation, frames, arguments.rate)
-            # before the port, which another simulation may have at the same place
-            server = ControlServer(arguments.control) if arguments.control else None
-            if server:
-                opened.callback(server.close)
-            cable = Cable(arguments.link)
-            opened.callback(cable.close)
-        except (ValueError, WireError, OSError, CableError, ServerError) as error:
+            runner = opened.enter_context(Runner.open(simulation.base, arguments.link, arguments.control, live.execute))
+        except (ValueError, WireError, OSError, PathError) as error:
             opened.close()
             parser.exit(USAGE_ERROR, f"simulator: {error}\n")
         simulation.frame()  # compiles
-        with Runner(simulation.base, cable, server, live.execute) as runner:
-            where = f", frames at {frames.address}" if frames else ""
-            where += f", control at {arguments.control}" if arguments.control else ""
-            log.info("ready: %s is %s%s", arguments.link, cable.device, where)
-            live.run(runner, stop)
+        log.info("ready: %s%s", runner.place, f", frames at {frames.address}" if frames else "")
+        live.run(runner, stop)
     log.info("ended after %.1f s of the simulation", simulation.time)
 
 

@@ -8,12 +8,10 @@ from importlib.resources import files
 
 import mujoco
 import numpy as np
-from numpy.typing import NDArray
 
+from cliffscan.common.contract.camera import Floats
 from cliffscan.simulator.kobuki.kinematics import Wheels
 from cliffscan.simulator.world import SCENE, START, Pose, world_source
-
-Floats = NDArray[np.float64]
 
 STEP = 2_000_000  # [ns] of the physics
 WHEEL_RADIUS = 0.035  # [m]

@@ -8,9 +8,8 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from cliffscan.common.contract.camera import Floats
 from cliffscan.simulator.world import World
-
-Floats = NDArray[np.float64]
 
 ROUNDNESS = 0.5e-3  # [m] how far a prism that stands for a cylinder may be from it
 COARSEST = 0.0048  # of the radius: however thin, a cylinder has 33 sides
@@ -58,12 +57,24 @@ def box_faces(half: Floats) -> list[Floats]:
 def cylinder_faces(size: Floats) -> list[Floats]:
     """The sides and caps of the prism that stands for an upright cylinder; size: radius and half-height [m]."""
     radius, half = float(size[0]), float(size[1])
-    ring = circle(radius)
-    top = np.column_stack([ring, np.full(len(ring), half)])
-    bottom = np.column_stack([ring, np.full(len(ring), -half)])
-    following = np.roll(np.arange(len(ring)), -1)
-    sides = [np.stack([bottom[i], bottom[j], top[j], top[i]]) for i, j in enumerate(following)]
-    return [*sides, top, bottom[::-1].copy()]
+    return prism(circle(radius), -half, half)
+
+
+def prism(outline: Floats, bottom: float, top: float) -> list[Floats]:
+    """The sides and caps of an upright prism over an outline (n, 2) [m], between two heights [m]."""
+    return [*sides(outline, bottom, top), at(outline, top), at(outline[::-1], bottom)]
+
+
+def at(outline: Floats, height: float) -> Floats:
+    """An outline (n, 2) at a height [m]: (n, 3)."""
+    return np.column_stack([outline, np.full(len(outline), height)])
+
+
+def sides(outline: Floats, bottom: float, top: float) -> list[Floats]:
+    """The upright faces along an outline, seen from its outside if it runs counter-clockwise."""
+    low, high = at(outline, bottom), at(outline, top)
+    following = np.roll(np.arange(len(outline)), -1)
+    return [np.stack([low[i], low[j], high[j], high[i]]) for i, j in enumerate(following)]
 
 
 def circle(radius: float) -> Floats:

@@ -5,12 +5,10 @@ from dataclasses import dataclass
 
 import mujoco
 import numpy as np
-from numpy.typing import NDArray
 
+from cliffscan.common.contract.camera import Floats
 from cliffscan.simulator.faces import circle
 from cliffscan.simulator.world import World
-
-Floats = NDArray[np.float64]
 
 UPRIGHT = math.cos(math.radians(0.1))  # a geom tilted more is a ramp
 STEEPEST = math.cos(math.radians(6.0))  # of a ramp; a geom tilted more has no footprint
@@ -40,15 +38,21 @@ class Footprint:
 
         angles: (n,) [rad] in the world. Returns two of (n,).
         """
-        x, _ = self._turned(origin - self.centre)
-        return np.full(len(angles), self.top + self.slope * x), self.slope * np.cos(angles - self.yaw)
+        return np.full(len(angles), self.top_at(origin)), self.slope * np.cos(angles - self.yaw)
 
-    def covers(self, point: Floats) -> bool:
-        """Whether a point (2,) [m] of the floor plan is within the area."""
-        x, y = self._turned(point - self.centre)
-        if len(self.size) == 1:
-            return math.hypot(x, y) <= float(self.size[0])
-        return abs(x) <= float(self.size[0]) and abs(y) <= float(self.size[1])
+    def top_at(self, points: Floats) -> Floats:
+        """Height [m] of the upper side at points (..., 2) [m] of the floor plan, were it as wide: (...)."""
+        height: Floats = self.top + self.slope * self._turned(points - self.centre)[0]
+        return height
+
+    def distance(self, points: Floats) -> Floats:
+        """How far points (..., 2) [m] of the floor plan are from the area: (...) [m]; 0 within it."""
+        x, y = self._turned(points - self.centre)
+        beyond = [np.hypot(x, y)] if len(self.size) == 1 else [np.abs(x), np.abs(y)]
+        distance: Floats = np.hypot.reduce(
+            [np.maximum(far - size, 0.0) for far, size in zip(beyond, self.size, strict=True)]
+        )
+        return distance
 
     def crossing(self, origin: Floats, angles: Floats) -> tuple[Floats, Floats]:
         """Distances [m] at which lines from the origin (2,) [m] enter and leave the area; (inf, -inf) = they miss it.
@@ -72,10 +76,11 @@ class Footprint:
         turned: Floats = corners @ np.array([[cos, sin], [-sin, cos]])
         return self.centre + turned
 
-    def _turned(self, offset: Floats) -> tuple[float, float]:
-        """An offset (2,) [m] from the centre along the box's own axes."""
+    def _turned(self, offsets: Floats) -> tuple[Floats, Floats]:
+        """Offsets (..., 2) [m] from the centre along the box's own axes: two of (...)."""
         cos, sin = math.cos(self.yaw), math.sin(self.yaw)
-        return cos * offset[0] + sin * offset[1], cos * offset[1] - sin * offset[0]
+        x, y = offsets[..., 0], offsets[..., 1]
+        return cos * x + sin * y, cos * y - sin * x
 
 
 def footprints(world: World) -> list[Footprint]:
@@ -111,7 +116,7 @@ def ramp(centre: Floats, rotation: Floats, size: Floats, yaw: float) -> Footprin
     return Footprint(upper[:2], np.array([run * size[0], size[1]]), yaw, bottom, float(upper[2]), slope, walkable=True)
 
 
-def slab_crossing(start: float, step: Floats, half: float) -> tuple[Floats, Floats]:
+def slab_crossing(start: Floats, step: Floats, half: float) -> tuple[Floats, Floats]:
     """Distances between which |start + step · distance| <= half; (inf, -inf) where never."""
     moving = np.abs(step) > 1e-12
     pace = np.where(moving, step, 1.0)
@@ -121,7 +126,7 @@ def slab_crossing(start: float, step: Floats, half: float) -> tuple[Floats, Floa
     return enter, np.where(moving, np.maximum(near, far), within)
 
 
-def disc_crossing(x: float, y: float, dx: Floats, dy: Floats, radius: float) -> tuple[Floats, Floats]:
+def disc_crossing(x: Floats, y: Floats, dx: Floats, dy: Floats, radius: float) -> tuple[Floats, Floats]:
     """Distances at which lines from (x, y) along the unit directions enter and leave a circle about (0, 0) [m]."""
     along = -(x * dx + y * dy)
     square = radius**2 - (x * dy - y * dx) ** 2

@@ -11,10 +11,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from cliffscan.common.contract.camera import Floats
 from cliffscan.simulator.footprints import Footprint
 from cliffscan.simulator.world import Pose
 
-Floats = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
 FLUSH = 1e-3  # [m] steps and gaps up to this are floor
@@ -125,6 +125,7 @@ def breaks(strips: Strips) -> Floats:
 
 def standing(pieces: list[Footprint], pose: Pose) -> float:
     """Height [m] of the floor under a pose: of the ramp or platform there, if any."""
-    point, level = np.array([pose.x, pose.y]), np.zeros(1)
-    heights = [float(piece.top_along(point, level)[0][0]) for piece in pieces if piece.walkable and piece.covers(point)]
-    return max(heights, default=0.0)
+    point = np.array(pose[:2])
+    return max(
+        (float(each.top_at(point)) for each in pieces if each.walkable and not each.distance(point)), default=0.0
+    )

@@ -10,10 +10,9 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from cliffscan.common.contract.camera import Camera
+from cliffscan.common.contract.camera import Camera, Floats
 from cliffscan.simulator.faces import Faces
 
-Floats = NDArray[np.float64]
 Depth = NDArray[np.float32]
 
 NEAR = 0.01  # [m] nothing nearer is drawn, so that nothing behind the camera is projected

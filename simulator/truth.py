@@ -9,13 +9,12 @@ import math
 from typing import Literal, NamedTuple, get_args
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cliffscan.common.contract.camera import Floats
 from cliffscan.simulator.footprints import Footprint, footprints
 from cliffscan.simulator.profile import FLUSH, walk
 from cliffscan.simulator.world import World
 
-Floats = NDArray[np.float64]
 Kind = Literal["lower", "floor", "obstacle", "overhead"]
 LAYERS = get_args(Kind)
 

@@ -72,11 +72,6 @@ class PhysicalWheels:
         """Turn the encoders and the gyro's heading as far as the world has moved."""
         self._theta += math.remainder(self.body.pose.yaw - self._theta, math.tau)
         before, self._rims = self._rims, self.body.rims
-        left, right = (self._told(now - earlier) for now, earlier in zip(self._rims, before, strict=True))
+        ways = (now - earlier for now, earlier in zip(self._rims, before, strict=True))
+        left, right = (way + self.model.error(way, self._random) for way in ways)  # what the encoders tell
         self.travelled = Wheels(self.travelled.left + left, self.travelled.right + right)
-
-    def _told(self, way: float) -> float:
-        """What an encoder tells [m] of the way [m] of its rim."""
-        if not self.model.noise:
-            return way
-        return way + self.model.noise * math.sqrt(abs(way)) * self._random.gauss(0.0, 1.0)

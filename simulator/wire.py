@@ -26,6 +26,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from cliffscan.simulator.unix_socket import connect_to, listen_at
+
 LENGTH = struct.Struct("<I")
 LONGEST_HEADER = 65536  # [bytes]
 MOST_PIXELS = 2**22
@@ -97,14 +99,7 @@ def connect(address: str, patience: float) -> socket.socket:
     """A connection to an address. Raises OSError where nobody listens there, WireError for what is no address."""
     if "/" not in address:
         return socket.create_connection(host_and_port(address), patience)
-    connection = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
-    connection.settimeout(patience)
-    try:
-        connection.connect(address)
-    except OSError:
-        connection.close()
-        raise
-    return connection
+    return connect_to(Path(address), patience)
 
 
 def listen(address: str) -> socket.socket:
@@ -114,19 +109,7 @@ def listen(address: str) -> socket.socket:
     """
     if "/" not in address:
         return socket.create_server(host_and_port(address))
-    path = Path(address)
-    if path.is_socket():
-        with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as probe:
-            if probe.connect_ex(address):
-                path.unlink()
-    listener = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
-    try:
-        listener.bind(address)
-    except OSError:
-        listener.close()
-        raise
-    listener.listen()
-    return listener
+    return listen_at(Path(address))
 
 
 def host_and_port(address: str) -> tuple[str, int]:

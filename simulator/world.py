@@ -6,14 +6,11 @@ from typing import NamedTuple
 
 import mujoco
 import numpy as np
-from numpy.typing import NDArray
 
-from cliffscan.common.contract.camera import Camera, axes
+from cliffscan.common.contract.camera import Camera, Floats, axes
 from cliffscan.common.runtime.suggest import suggest
 from cliffscan.simulator.random_floor import random_floor
 from cliffscan.simulator.world_names import RANDOM, world_names
-
-Floats = NDArray[np.float64]
 
 SCENE = 0  # the geom group of what stands in the room; a robot's geoms belong to another, unseen by its own camera
 

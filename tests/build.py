@@ -13,6 +13,7 @@ import numpy as np
 from hypothesis import settings
 from PIL import Image
 
+from cliffscan.common.contract.beam_fields import BEAM_FIELDS
 from cliffscan.common.contract.camera import Camera, FloorPlane, Intrinsics
 from cliffscan.common.contract.messages import LaserScan
 from cliffscan.common.runtime.latest_queue import LatestQueue
@@ -56,6 +57,7 @@ def scan_fields(**changes) -> dict:
         "scan_time": 0.033,
         "range_min": 0.0,
         "range_max": 4.5,
+        **dict.fromkeys(BEAM_FIELDS, b""),
         "ranges": np.array([1.0, math.inf, math.nan], "<f4").tobytes(),
         "intensities": np.array([2.0, 0.0, 0.0], "<f4").tobytes(),
         "clear": np.array([0.9, 3.5, 0.7], "<f4").tobytes(),
@@ -163,6 +165,9 @@ class Bus:
 
     def subscribe(self, path, receive, *_limits) -> None:
         self.receivers[path] = receive
+
+    def receive_latched(self, path, receive) -> None:
+        self.subscribe(path, receive)
 
     def latch(self, topic):
         return self.said[topic.path].append

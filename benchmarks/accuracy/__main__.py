@@ -9,9 +9,10 @@ from benchmarks.accuracy.cases import Case, some_cases
 from benchmarks.accuracy.frames import KNOWN, PLANES
 from benchmarks.accuracy.measure import measure
 from benchmarks.accuracy.report import report
-from benchmarks.accuracy.rows import Row, Table, worst, write_csv
+from benchmarks.accuracy.rows import Row, Table, worst
 from benchmarks.accuracy.scans import BEST, known_scans
-from evaluation.tables import unique
+from evaluation.options import some_of
+from evaluation.tables import unique, write_csv
 
 OUT = Path("out/accuracy")
 QUICK = 60  # scenes
@@ -24,21 +25,15 @@ def arguments() -> argparse.Namespace:
     parser.add_argument("--scenes", type=int, default=400, help="about how many random scenes (400)")
     parser.add_argument("--seed", type=int, default=1, help="of all random numbers (1)")
     parser.add_argument("--methods", nargs="+", choices=[*known_scans()], default=[*known_scans()], help="all, if none")
-    parser.add_argument("--planes", type=planes, default=PLANES, help=f"with commas between ({','.join(PLANES)})")
+    parser.add_argument(
+        "--planes", type=some_of(PLANES), default=PLANES, help=f"with commas between ({','.join(PLANES)})"
+    )
     parser.add_argument("--out", type=Path, default=OUT, help=f"folder of the results ({OUT})")
     parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1, help="processes (one for each core)")
     parser.add_argument("--quick", action="store_true", help=f"{QUICK} scenes, plane known")
     parser.add_argument("--pictures", type=int, default=PICTURES, help=f"of the worst cases, each plane ({PICTURES})")
     parser.add_argument("--only", type=Case.parse, metavar="KIND:SEED", help="replay one case, in detail")
     return parser.parse_args()
-
-
-def planes(text: str) -> tuple[str, ...]:
-    """The plane modes of an option. Raises ArgumentTypeError for another one."""
-    names = tuple(text.split(","))
-    if unknown := set(names) - set(PLANES):
-        raise argparse.ArgumentTypeError(f"no plane mode: {', '.join(unknown)}")
-    return names
 
 
 def show(rows: Sequence[Row], scans: Sequence[str], out: Path) -> None:
@@ -71,7 +66,7 @@ def main() -> None:
     text = report(table)
     print(text)
     (options.out / "accuracy.md").write_text(text)
-    write_csv(table.rows, options.out / "cases.csv")
+    write_csv((row.record() for row in table.rows), options.out / "cases.csv")  # by which a case is found and replayed
     pictures = options.out / "worst"
     for stale in pictures.glob("*.png"):
         stale.unlink()

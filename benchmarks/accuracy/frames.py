@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from benchmarks.accuracy.cases import Case, camera_of, scene_of
-from cliffscan.common.contract.camera import Camera, FloorPlane, scan_axes
+from cliffscan.common.contract.camera import Camera, scan_axes
 from cliffscan.services.capture.floor.tracker import FloorTracker
 from cliffscan.simulator.faces import Faces, pack
 from cliffscan.simulator.kinect import Image, KinectModel, Millimetres, measure, returns
@@ -87,7 +87,7 @@ def still(sensor: Sensor, true: Camera, rng: np.random.Generator) -> Iterator[Fr
     yield Frame(shots[-1], said, true, UNKNOWN)
     tracker = FloorTracker(said.floor)
     planes = [tracker.update(shot, said) for shot in shots]
-    yield Frame(shots[-1], with_floor(said, planes[-1]), true, f"{UNKNOWN}, {TRACKED}")
+    yield Frame(shots[-1], replace(said, floor=planes[-1]), true, f"{UNKNOWN}, {TRACKED}")
 
 
 def nodding(sensor: Sensor, said: Camera) -> Iterator[Frame]:
@@ -100,9 +100,4 @@ def nodding(sensor: Sensor, said: Camera) -> Iterator[Frame]:
         plane = tracker.update(shot, said)
         if number >= SETTLING:
             yield Frame(shot, said, true, WOBBLING)
-            yield Frame(shot, with_floor(said, plane), true, f"{WOBBLING}, {TRACKED}")
-
-
-def with_floor(camera: Camera, floor: FloorPlane) -> Camera:
-    """The same camera over another floor."""
-    return replace(camera, floor=floor)
+            yield Frame(shot, replace(said, floor=plane), true, f"{WOBBLING}, {TRACKED}")

@@ -4,17 +4,16 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
-from matplotlib.artist import Artist
-from matplotlib.axes import Axes
 
 from benchmarks.accuracy.cases import Case, scene_of
 from benchmarks.accuracy.frames import PLANES, Frame, frames_of
 from benchmarks.accuracy.scans import ANGLES, beams_of
 from cliffscan.common.contract.beam_fields import Ranges
+from cliffscan.common.contract.camera import Floats
 from evaluation import palette
-from evaluation.pictures.plan import Extent, area, dots, draw_pieces, line, prepare
+from evaluation.pictures.plan import Extent, Plot, draw_pieces, prepare
 from evaluation.pictures.sheet import Panel, label, write_sheet
-from evaluation.scenes.polygons import Floats, direction
+from evaluation.scenes.polygons import direction
 from evaluation.scenes.scene import Scene
 from evaluation.score import judge
 from evaluation.truth.beam_truth import Truth
@@ -41,13 +40,14 @@ def draw(case: Case, plane: str, scans: Sequence[str], path: Path) -> Path:
 def view(frame: Frame, truth: Truth, ranges: Ranges, scan: str) -> Panel:
     """The depth image, and on it each beam's number, or the edge where a number is missing, by its verdict."""
 
-    def draw(axes: Axes) -> list[Artist]:
+    def draw(plot: Plot) -> None:
+        axes = plot.axes
         axes.set_facecolor(palette.NO_RETURN)
         axes.imshow(np.ma.masked_equal(frame.depth, 0), cmap=palette.DEPTH)
         column, row, _ = pixels(frame.true, floor_points(ANGLES, np.nan_to_num(placed(ranges, truth), posinf=np.nan)))
         axes.set(xlim=(0, frame.depth.shape[1]), ylim=(frame.depth.shape[0], 0))
         label(axes, scan)
-        return judged(axes, np.column_stack([column, row]), ranges, truth)
+        judged(plot, np.column_stack([column, row]), ranges, truth)
 
     return draw
 
@@ -55,22 +55,23 @@ def view(frame: Frame, truth: Truth, ranges: Ranges, scan: str) -> Panel:
 def plan(scene: Scene, truth: Truth, ranges: Ranges, scan: str) -> Panel:
     """The scene from above, its true edge and a scan's numbers."""
 
-    def draw(axes: Axes) -> list[Artist]:
+    def draw(plot: Plot) -> None:
+        axes = plot.axes
         prepare(axes, EXTENT)
         axes.set_facecolor(palette.PIECES["floor"].colour)
-        legend = draw_pieces(axes, scene.outlines(), upward=True)
+        draw_pieces(plot, scene.outlines(), upward=True)
         for patch in scene.glossy:
-            legend += area(axes, patch[:, ::-1], palette.GLOSSY, 1.2)
+            plot.area(patch[:, ::-1], palette.GLOSSY, 1.2)
         if scene.ramp is not None:
             across, ahead = direction(scene.ramp.heading + np.pi / 2) * 8.0, direction(scene.ramp.heading)
             for distance in (scene.ramp.start, scene.ramp.start + scene.ramp.length):
                 ends = np.stack([ahead * distance - across, ahead * distance + across])
-                legend += line(axes, ends[:, ::-1], palette.RAMP, 2.0)
+                plot.line(ends[:, ::-1], palette.RAMP, 2.0)
         asked, other = np.where(truth.drop, truth.edge, np.nan), np.where(truth.drop, np.nan, truth.edge)
         for edge, how in ((asked, palette.EDGE_ASKED), (other, palette.EDGE_OTHER)):
-            legend += line(axes, points(edge), how, 3.0)
+            plot.line(points(edge), how, 3.0)
         label(axes, scan)
-        return [*legend, *judged(axes, points(placed(ranges, truth)), ranges, truth)]
+        judged(plot, points(placed(ranges, truth)), ranges, truth)
 
     return draw
 
@@ -80,11 +81,11 @@ def placed(ranges: Ranges, truth: Truth) -> Floats:
     return np.where(truth.drop & ~np.isfinite(ranges), truth.edge, ranges)
 
 
-def judged(axes: Axes, points: Floats, ranges: Ranges, truth: Truth) -> list[Artist]:
+def judged(plot: Plot, points: Floats, ranges: Ranges, truth: Truth) -> None:
     """Dots at points (beams, 2) by the verdict of each beam."""
     verdicts = judge(ranges, truth)
-    found = ((verdicts == verdict, mark) for verdict, mark in palette.VERDICTS.items())
-    return [entry for these, mark in found for entry in dots(axes, points[these], mark, 5.0, every=8)]
+    for verdict, mark in palette.VERDICTS.items():
+        plot.dots(points[verdicts == verdict], mark, 5.0, every=8)
 
 
 def points(ranges: Floats) -> Floats:

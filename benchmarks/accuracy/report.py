@@ -2,8 +2,7 @@
 
 from collections.abc import Iterable, Sequence
 
-from benchmarks.accuracy.figures import DEFINITIONS, Figures
-from benchmarks.accuracy.rows import Census, Row
+from benchmarks.accuracy.rows import DEFINITIONS, Census, Figures, Row
 from benchmarks.accuracy.rows import Table as Results
 from evaluation.score import WRONG, Tally, Verdict, ratio
 from evaluation.tables import Table, number, percent, unique

@@ -1,17 +1,79 @@
 """The rows of results, one for every case, plane mode and scan, and the figures over any of them."""
 
-import csv
 from collections.abc import Sequence
-from pathlib import Path
 from typing import NamedTuple, Self
 
 import numpy as np
 
 from benchmarks.accuracy.cases import GLOSSY, Case
-from benchmarks.accuracy.figures import Figures
 from benchmarks.accuracy.frames import KNOWN
-from evaluation.score import WRONG, Tally, Verdict, percentile
+from evaluation.score import ON_DROP, WRONG, Tally, Verdict, percentile, ratio
 from evaluation.truth.beam_truth import Truth
+
+DEFINITIONS = """\
+*Drop beams* are those whose edge is in the sensor's sight (the three rows of floor before it are in the image and in
+range, neither hidden nor in the shadow of an obstacle), at most 3.0 m away, with at least 20 cm of hole along the beam
+and no obstacle in the way before it. *Allowed* is the larger of 2 cm and one row of the image, z²/(f·h).
+
+- *found*: of the drop beams, those that report a number at or before edge + allowed.
+- *missed*: of the drop beams, those that report no number.
+- *late*: of the drop beams, those whose number is farther than edge + allowed.
+- *early*: of all numbers before a drop, near or far, in sight or not: the share of those beams that report a number
+  nearer than edge - 2 allowed - 5 cm.
+- *false, safe*: of the beams of scenes without a drop, those that report a number.
+- *false, drop*: of the beams of scenes with a drop that do not cross it and are not beside a beam that does.
+- *error*: of the drop beams' numbers: reported less true distance, its median; the 95th percentile of its amount; and
+  that of its amount over the allowed error.
+- *kerb*: as found, of the drop beams of kerbs of 5 cm up to 1.5 m away.
+- *clear beyond*: of the drop beams, those that tell floor to be clear farther than edge + allowed; "-" where a scan
+  does not tell how far floor is clear.
+
+Not counted, and how many they are, stands under each table:
+
+- *oblique*: the edge runs so nearly along the beam that it moves by more than the allowed error between the beam's
+  middle and its border. It is no drop beam; early numbers are counted.
+- *hidden* and *sinking*, both undecidable: a ramp, or the floor behind its crest, goes out of the sensor's sight within
+  its range: it would be seen at an angle whose sine is below 0.05, and returns nothing. What is left is what an edge of
+  stairs shows. Numbers nearer than where it is lost (less 2 allowed and 5 cm) are false; the others are counted apart,
+  for the beams that see less than half a metre of the ramp before (hidden), and for those that see more, from which a
+  method could foresee where the ramp will be lost (sinking).
+"""
+
+
+class Figures(NamedTuple):
+    """Shares of beams, and errors [m]; NaN where there is no beam to take them over."""
+
+    found: float
+    missed: float
+    late: float
+    early: float
+    false_safe: float
+    false_drop: float
+    median: float  # [m]
+    percentile95: float  # [m]
+    relative95: float  # of the allowed error
+    kerb: float
+    clear_beyond: float
+
+    @classmethod
+    def of(cls, drops: Sequence[Tally], safe: Sequence[Tally], kerbs: Sequence[Tally]) -> Self:
+        """The figures of scans of scenes with drops, of safe ones, and of those with a kerb of 5 cm within 1.5 m."""
+        drop, quiet, kerb = Tally.total(drops), Tally.total(safe), Tally.total(kerbs)
+        wrong = (Verdict.FALSE, Verdict.ASTRAY)
+        return cls(
+            found=drop.share((Verdict.FOUND, Verdict.EARLY), ON_DROP),
+            missed=drop.share((Verdict.MISSED,), ON_DROP),
+            late=drop.share((Verdict.LATE,), ON_DROP),
+            early=drop.share((Verdict.EARLY, Verdict.ASTRAY), (*ON_DROP, Verdict.ASTRAY, Verdict.UNCOUNTED)),
+            false_safe=quiet.share(wrong, (*wrong, Verdict.QUIET)),
+            false_drop=drop.share((Verdict.FALSE,), (Verdict.FALSE, Verdict.QUIET)),
+            median=percentile(drop.errors, 50),
+            percentile95=percentile(np.abs(drop.errors), 95),
+            relative95=percentile(np.abs(drop.relative), 95),
+            kerb=kerb.share((Verdict.FOUND, Verdict.EARLY), ON_DROP),
+            clear_beyond=ratio(drop.beyond, drop.telling),
+        )
+
 
 KERB = "kerb_5cm"
 
@@ -95,11 +157,3 @@ def worst(rows: Sequence[Row], scan: str, plane: str, most: int) -> list[Row]:
     """The cases in which a scan is wrong most, the worst first, in one plane mode; glossy floors are not among them."""
     asked = [row for row in rows if (row.scan, row.plane) == (scan, plane) and row.case.kind != GLOSSY]
     return sorted((row for row in asked if row.wrong > 0.0), key=lambda row: row.wrong, reverse=True)[:most]
-
-
-def write_csv(rows: Sequence[Row], path: Path) -> None:
-    """Write all rows, so that the worst can be found and replayed."""
-    with path.open("w", newline="") as file:
-        writer = csv.DictWriter(file, list(rows[0].record()))
-        writer.writeheader()
-        writer.writerows(row.record() for row in rows)

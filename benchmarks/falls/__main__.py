@@ -8,11 +8,12 @@ from pathlib import Path
 from typing import get_args
 
 from benchmarks.falls.cases import Case, all_cases, length
-from benchmarks.falls.outcome import Outcome
+from benchmarks.falls.log import Outcome
 from benchmarks.falls.perception import Mode
 from benchmarks.falls.process_trial import OVERRIDES, through_processes
 from benchmarks.falls.report import event_record, report, run_record, write
 from benchmarks.falls.trial import Trial, measure
+from evaluation.options import some_of
 from evaluation.workers import counted
 
 OUT = Path("out/falls")
@@ -28,7 +29,7 @@ def arguments() -> argparse.Namespace:
     )
     parser.add_argument("--worlds", type=int, default=60, help="how many, shared by the speeds (60)")
     parser.add_argument("--speeds", type=speeds, default=SPEEDS, help="[m/s], with commas between (0.2,0.35,0.5)")
-    parser.add_argument("--modes", type=modes, default=MODES, help=f"with commas between ({','.join(MODES)})")
+    parser.add_argument("--modes", type=some_of(MODES), default=MODES, help=f"with commas between ({','.join(MODES)})")
     parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1, help="processes (one for each core)")
     parser.add_argument("--seed", type=int, default=0, help="of the first world (0)")
     parser.add_argument("--out", type=Path, default=OUT, help=f"folder of the results ({OUT})")
@@ -63,14 +64,6 @@ def speeds(text: str) -> tuple[float, ...]:
     if not all(0.0 < value <= 1.0 for value in values):
         raise argparse.ArgumentTypeError("expected speeds above 0, up to 1 m/s")
     return values
-
-
-def modes(text: str) -> tuple[str, ...]:
-    """The modes of an option. Raises ArgumentTypeError for another one."""
-    names = tuple(text.split(","))
-    if unknown := set(names) - set(MODES):
-        raise argparse.ArgumentTypeError(f"no mode: {', '.join(unknown)}")
-    return names
 
 
 def replay(case: Case, metres: float, out: Path) -> None:

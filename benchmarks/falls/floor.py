@@ -10,12 +10,11 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from cliffscan.simulator.footprints import Footprint, footprints
+from cliffscan.common.contract.camera import Floats
+from cliffscan.simulator.footprints import footprints
 from cliffscan.simulator.truth import kind
 from cliffscan.simulator.world import Pose, World
-
-Floats = NDArray[np.float64]
-Mask = NDArray[np.bool_]
+from evaluation.truth.beam_truth import Mask
 
 CELL = 0.05  # [m]
 RADIUS = 0.18  # [m] of the robot
@@ -33,7 +32,7 @@ class Floor:
         self.low, self.high = walls.min(axis=0), walls.max(axis=0)  # [m] corners of the floor plan
         counts = np.ceil((self.high - self.low) / CELL).astype(int)
         along_x, along_y = (low + CELL * (0.5 + np.arange(n)) for low, n in zip(self.low, counts, strict=True))
-        self._x, self._y = np.meshgrid(along_x, along_y, indexing="ij")
+        self._middles = np.stack(np.meshgrid(along_x, along_y, indexing="ij"), axis=-1)  # (rows, columns, 2) [m]
 
     @cached_property
     def free(self) -> Mask:
@@ -67,7 +66,7 @@ class Floor:
 
     def mask(self, points: Floats) -> Mask:
         """The cells of points (n, 2) [m]."""
-        cells = np.zeros(self._x.shape, dtype=bool)
+        cells = np.zeros(self._middles.shape[:2], dtype=bool)
         cells[self._places(points)] = True
         return cells
 
@@ -78,24 +77,24 @@ class Floor:
     def _places(self, points: Floats) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
         """Rows and columns of the cells of points (n, 2) [m]; those beyond the plan are taken for its border."""
         cells = np.floor((points - self.low) / CELL).astype(np.int64)
-        row, column = np.clip(cells, 0, np.array(self._x.shape) - 1).T
+        row, column = np.clip(cells, 0, np.array(self._middles.shape[:2]) - 1).T
         return row, column
 
     def _clear(self, radius: float) -> Mask:
         far = ~dilated(self._ends, radius / CELL)
         for piece in self._pieces:
             if kind(piece) == "obstacle":
-                far &= self._distance(piece) >= radius
+                far &= piece.distance(self._middles) >= radius
         return far
 
     @cached_property
     def _ends(self) -> Mask:
         """Cells without floor, and those at a step."""
-        heights = np.full(self._x.shape, -math.inf)
+        heights = np.full(self._middles.shape[:2], -math.inf)
         for piece in self._pieces:
             if kind(piece) == "floor":
-                x, inside = self._along(piece)[0], self._distance(piece) <= 0.0
-                heights = np.where(inside, np.maximum(heights, piece.top + piece.slope * x), heights)
+                inside = piece.distance(self._middles) <= 0.0
+                heights = np.where(inside, np.maximum(heights, piece.top_at(self._middles)), heights)
         ends = np.isneginf(heights)
         level = np.where(ends, -1.0, heights)
         down, across = (np.abs(np.diff(level, axis=axis)) > STEP for axis in (0, 1))
@@ -104,22 +103,6 @@ class Floor:
         ends[:, 1:] |= across
         ends[:, :-1] |= across
         return ends
-
-    def _along(self, piece: Footprint) -> tuple[Floats, Floats]:
-        """How far [m] each cell is from a piece's middle along its own axes."""
-        x, y = self._x - piece.centre[0], self._y - piece.centre[1]
-        cos, sin = math.cos(piece.yaw), math.sin(piece.yaw)
-        return cos * x + sin * y, cos * y - sin * x
-
-    def _distance(self, piece: Footprint) -> Floats:
-        """Distance [m] of each cell's middle from a piece; 0 inside it."""
-        x, y = self._along(piece)
-        if len(piece.size) == 1:
-            aside, ahead = np.hypot(x, y).clip(min=piece.size[0]) - piece.size[0], np.zeros(x.shape)
-        else:
-            aside, ahead = (np.abs(way).clip(min=half) - half for way, half in zip((x, y), piece.size, strict=True))
-        distance: Floats = np.hypot(aside, ahead)
-        return distance
 
 
 def dilated(mask: Mask, cells: float) -> Mask:

@@ -8,10 +8,8 @@ from random import Random
 
 from benchmarks.falls.cases import Case
 from benchmarks.falls.driver import Driver
-from benchmarks.falls.log import Log
-from benchmarks.falls.outcome import Outcome
+from benchmarks.falls.log import Log, Look, Outcome
 from benchmarks.falls.trial import COMMAND_PERIOD, ENCODER_NOISE
-from benchmarks.falls.watch import Look
 from cliffscan.common.contract.base_messages import BaseState, Odometry, Rule, SafetyState
 from cliffscan.common.contract.messages import LaserScan
 from cliffscan.common.contract.topics import BASE_STATE, ODOMETRY, SAFETY, SCAN_FUSED

@@ -1,6 +1,5 @@
 """The table, and files of the runs and of what happened in them, each with the name by which --only replays it."""
 
-import csv
 import json
 from collections.abc import Sequence
 from pathlib import Path
@@ -8,8 +7,8 @@ from typing import get_args
 
 import numpy as np
 
-from benchmarks.falls.outcome import Event, Kind, Outcome
-from evaluation.tables import Table, percent, unique
+from benchmarks.falls.log import Event, Kind, Outcome
+from evaluation.tables import Table, percent, unique, write_csv
 
 HEADINGS = ("mode", "speed [m/s]", "worlds", "minutes", "falls", "falls / 1000 min", "cliff sensor", "bumps",
             "stranded", "visited", "median", "worst", "held", "without cause", "faster than real time")  # fmt: skip
@@ -79,9 +78,6 @@ def event_record(outcome: Outcome, event: Event) -> dict[str, str | float]:
 
 def write(outcomes: Sequence[Outcome], folder: Path) -> None:
     """Write runs.csv and events.json."""
-    with (folder / "runs.csv").open("w", newline="") as file:
-        writer = csv.DictWriter(file, list(run_record(outcomes[0])))
-        writer.writeheader()
-        writer.writerows(map(run_record, outcomes))
+    write_csv(map(run_record, outcomes), folder / "runs.csv")
     events = [event_record(outcome, event) for outcome in outcomes for event in outcome.events]
     (folder / "events.json").write_text("[\n" + ",\n".join(map(json.dumps, events)) + "\n]\n")

@@ -5,13 +5,12 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from cliffscan.common.contract.camera import Floats
 from cliffscan.common.contract.messages import LaserScan
 from cliffscan.safety.pose2d import Pose2D as Place
 from cliffscan.safety.scan_claims import View
 from cliffscan.simulator.world import Pose
-
-Floats = NDArray[np.float64]
-Mask = NDArray[np.bool_]
+from evaluation.truth.beam_truth import Mask
 
 SQUARE = 0.1  # [m] side of the squares that are told to be shut
 CELL = SQUARE / 2  # [m] side of the cells that bear marks

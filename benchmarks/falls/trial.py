@@ -9,10 +9,8 @@ from random import Random
 
 from benchmarks.falls.cases import Case
 from benchmarks.falls.driver import Driver
-from benchmarks.falls.log import Log
-from benchmarks.falls.outcome import Outcome
+from benchmarks.falls.log import Log, Look, Outcome
 from benchmarks.falls.perception import FRAME, perception
-from benchmarks.falls.watch import Look
 from cliffscan.common.contract.base_messages import Velocity
 from cliffscan.common.contract.description import CameraDescription
 from cliffscan.common.contract.messages import LaserScan

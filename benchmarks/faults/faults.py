@@ -9,6 +9,7 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 from benchmarks.faults.frame_relay import Mode
+from benchmarks.faults.intruder import Kind
 from benchmarks.faults.rig import Rig
 from cliffscan.common.runtime.config import SERVICES
 
@@ -34,29 +35,30 @@ class Fault(NamedTuple):
     lasts: tuple[float, float] = (1.2, 2.5)  # [s] from its beginning to its end
 
 
-def sent(name: str, number: signal.Signals) -> Deed:
-    """Send a signal to a process."""
-    return lambda rig: rig.send(name, number)
-
-
-def started(name: str) -> Deed:
-    """Start a process."""
-    return lambda rig: rig.start(name)
-
-
-def frames(mode: Mode) -> Deed:
-    """Have the frames come so from now on."""
-    return lambda rig: rig.relay.become(mode)
-
-
 def line(command: str) -> Deed:
     """Have something done to the serial line."""
-    return lambda rig: rig.remote.tell(command)
+    return lambda rig: rig.robot.remote.tell(command)
 
 
-def intruder(kind: str) -> Deed:
-    """Let somebody else onto the network."""
-    return lambda rig: rig.intrude(kind)
+def of_process(name: str) -> dict[str, Fault]:
+    """What can become of a process."""
+    return {
+        f"{name} killed": Fault(lambda rig: rig.send(name, signal.SIGKILL), nothing),
+        f"{name} stopped": Fault(
+            lambda rig: rig.send(name, signal.SIGSTOP), lambda rig: rig.send(name, signal.SIGCONT)
+        ),
+        f"{name} restarted": Fault(lambda rig: rig.send(name, signal.SIGTERM), lambda rig: rig.start(name)),
+    }
+
+
+def of_frames(mode: Mode) -> Fault:
+    """Frames that do not come as they should."""
+    return Fault(lambda rig: rig.relay.become(mode), lambda rig: rig.relay.become("pass"))
+
+
+def of_intruder(kind: Kind, begin: Deed, end: Deed) -> Fault:
+    """Somebody else on the network."""
+    return Fault(begin, end, lambda rig: rig.intrude(kind))
 
 
 def quiet(rig: Rig) -> None:
@@ -82,8 +84,8 @@ def prompt(rig: Rig) -> None:
 
 def counting(rig: Rig) -> None:
     """Have the encoders count the whole way; what the gate no longer believes, an operator clears."""
-    rig.remote.tell("encoders 1.0 1.0")
-    rig.ask("clear_safety")
+    rig.robot.remote.tell("encoders 1.0 1.0")
+    rig.robot.ask("clear_safety")
 
 
 def released(rig: Rig) -> None:
@@ -114,38 +116,36 @@ def flood(rig: Rig) -> None:
     end = rig.look().time + FLOODED
     while rig.step().time < end:
         pass
-    rig.ask("stop")
+    rig.robot.ask("stop")
 
 
 def ebb(rig: Rig) -> None:
     """A flood ends, and somebody clears the stop."""
     ended(rig)
-    rig.ask("clear_safety")
+    rig.robot.ask("clear_safety")
 
 
 def known_faults() -> dict[str, Fault]:
     """All faults by name."""
     found: dict[str, Fault] = {}
     for name in PROCESSES:
-        found[f"{name} killed"] = Fault(sent(name, signal.SIGKILL), nothing)
-        found[f"{name} stopped"] = Fault(sent(name, signal.SIGSTOP), sent(name, signal.SIGCONT))
-        found[f"{name} restarted"] = Fault(sent(name, signal.SIGTERM), started(name))
+        found |= of_process(name)
     return found | {
-        "frames late": Fault(frames("late"), frames("pass")),
-        "frames frozen": Fault(frames("frozen"), frames("pass")),
-        "frames dropped": Fault(frames("dropped"), frames("pass")),
+        "frames late": of_frames("late"),
+        "frames frozen": of_frames("frozen"),
+        "frames dropped": of_frames("dropped"),
         "line cut": Fault(line(f"unplug {CUT}"), nothing),
         "line mute": Fault(line(f"pause {CUT}"), nothing),
-        "frames repeated": Fault(frames("repeated"), frames("pass")),
+        "frames repeated": of_frames("repeated"),
         "base clock stuck": Fault(line("clock off"), line("clock on")),
         "packets repeated": Fault(line("repeat on"), line("repeat off")),
         "encoders stuck": Fault(line("encoders 0.0 0.0"), counting),
         "odometry at half": Fault(line("encoders 0.5 0.5"), counting, lasts=CREEPING),
         "slow port": Fault(line(f"slow {SLOW}"), line("slow 0")),
         "commands in bursts": Fault(late, prompt),
-        "two drivers": Fault(released, ended, intruder("drive")),
-        "flooded bus, then stop": Fault(flood, ebb, intruder("flood")),
-        "scans from the future": Fault(blind, sighted, intruder("future")),
-        "scans of two beams": Fault(blind, sighted, intruder("two_beams")),
+        "two drivers": of_intruder("drive", released, ended),
+        "flooded bus, then stop": of_intruder("flood", flood, ebb),
+        "scans from the future": of_intruder("future", blind, sighted),
+        "scans of two beams": of_intruder("two_beams", blind, sighted),
         "driver silent": Fault(quiet, loud),
     }

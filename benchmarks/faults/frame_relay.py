@@ -1,20 +1,17 @@
 """Stands between a simulation and capture, and hands frames on late, again and again, or not at all."""
 
-import contextlib
-import threading
 import time
 from collections import deque
 from typing import Literal
 
 from cliffscan.simulator import wire
 from cliffscan.simulator.frame_server import FrameServer
-from cliffscan.simulator.wire import FrameReader, WireFrame
+from cliffscan.simulator.wire import WireFrame
+from evaluation.processes.truth_feed import FrameFeed
 
 Mode = Literal["pass", "late", "frozen", "repeated", "dropped"]
 
-PATIENCE = 5.0  # [s]
 LATE = 0.6  # [s] of a late frame
-READ_SIZE = 1 << 20  # [bytes]
 
 
 class FrameRelay:
@@ -23,11 +20,9 @@ class FrameRelay:
     def __init__(self, source: str, address: str) -> None:
         self.become("pass")
         self._server = FrameServer(address)
-        self._connection = wire.connect(source, PATIENCE)
-        self._connection.settimeout(None)
         self._waiting: deque[tuple[float, WireFrame]] = deque()  # when it came, and the frame
         self._last: WireFrame
-        threading.Thread(target=self._listen, daemon=True).start()
+        self._feed = FrameFeed(source, self._hand_on)
 
     def become(self, mode: Mode) -> None:
         """Treat frames so from now on."""
@@ -35,15 +30,8 @@ class FrameRelay:
 
     def close(self) -> None:
         """Hang up on both sides."""
-        self._connection.close()
+        self._feed.close()
         self._server.close()
-
-    def _listen(self) -> None:
-        reader = FrameReader()
-        with contextlib.suppress(OSError):  # closed
-            while data := self._connection.recv(READ_SIZE):
-                for frame in reader.feed(data):
-                    self._hand_on(frame)
 
     def _hand_on(self, frame: WireFrame) -> None:
         """Treat a frame as the mode says.

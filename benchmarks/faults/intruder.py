@@ -1,19 +1,15 @@
-"""A program on the robot's network that lies, wants to drive, or asks for more than anybody can do.
+"""A program on the robot's network that lies, wants to drive, or asks for more than anybody can do."""
 
-`python -m benchmarks.faults.intruder KIND --robot NAME --connect ENDPOINT` says that it is ready, waits for a line, and
-goes on until it is ended.
-"""
-
-import argparse
 import itertools
 import math
-import subprocess
-import sys
+import multiprocessing
 import time
 from collections.abc import Callable
 from contextlib import AbstractContextManager
 from functools import partial
+from multiprocessing.synchronize import Event
 from threading import Thread
+from typing import Literal
 
 import numpy as np
 import zenoh
@@ -29,6 +25,9 @@ AHEAD = 0.09  # [s] of a stamp
 TOLD_CLEAR = 4.0  # [m]
 SPEED = 0.5  # [m/s], straight on
 BUNCHES = 200  # a second, of which each has its part of a flood
+STARTING = 60.0  # [s]
+
+Kind = Literal["future", "two_beams", "drive", "flood"]
 
 
 def free_scan(stamp: int, beams: int, seq: int = 0) -> LaserScan:
@@ -97,51 +96,39 @@ class Intruder:
         self._session.put(f"{self._robot}/{path}", payload)
 
 
-KINDS = {"future": Intruder.future, "two_beams": Intruder.two_beams, "drive": Intruder.drive, "flood": Intruder.flood}
-
-
 class Intrusion(AbstractContextManager["Intrusion"]):
     """An intruder in a process of its own, which waits for release() and is ended with the context."""
 
     def __init__(
-        self, kind: str, robot: str, endpoint: str, commands: float = COMMANDS, requests: float = REQUESTS
+        self, kind: Kind, robot: str, endpoint: str, commands: float = COMMANDS, requests: float = REQUESTS
     ) -> None:
-        """Raises RuntimeError where it does not start."""
-        where = ["--robot", robot, "--connect", endpoint, "--commands", str(commands), "--requests", str(requests)]
-        command = [sys.executable, "-m", "benchmarks.faults.intruder", kind, *where]
-        self._process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE)
-        if not (self._process.stdout and self._process.stdout.readline()):
+        """commands, requests: [Hz] of a flood. Raises RuntimeError where it does not start."""
+        context = multiprocessing.get_context("spawn")
+        self._released, ready = context.Event(), context.Event()
+        self._process = context.Process(
+            target=intrude, args=(kind, (robot, endpoint, commands, requests), ready, self._released)
+        )
+        self._process.start()
+        if not ready.wait(STARTING):
+            self.end()
             raise RuntimeError(f"the intruder {kind} did not start")
 
     def release(self) -> None:
         """Let it begin."""
-        if self._process.stdin:
-            self._process.stdin.write(b"\n")
-            self._process.stdin.flush()
+        self._released.set()
 
     def end(self) -> None:
         """End it, once or again."""
         self._process.kill()
-        self._process.wait()
+        self._process.join()
 
     def __exit__(self, *_: object) -> None:
         self.end()
 
 
-def main() -> None:
-    """Intrude until ended."""
-    parser = argparse.ArgumentParser(prog="python -m benchmarks.faults.intruder", description=__doc__)
-    parser.add_argument("kind", choices=KINDS)
-    parser.add_argument("--robot", required=True)
-    parser.add_argument("--connect", required=True)
-    parser.add_argument("--commands", type=float, default=COMMANDS, help="[Hz] of a flood")
-    parser.add_argument("--requests", type=float, default=REQUESTS, help="[Hz] of a flood")
-    asked = parser.parse_args()
-    intruder = Intruder(asked.robot, asked.connect, asked.commands, asked.requests)
-    print("ready", flush=True)
-    sys.stdin.readline()
-    KINDS[asked.kind](intruder)
-
-
-if __name__ == "__main__":
-    main()
+def intrude(kind: Kind, options: tuple[str, str, float, float], ready: Event, released: Event) -> None:
+    """Intrude, once released, until ended; options: of Intruder."""
+    intruder = Intruder(*options)
+    ready.set()
+    released.wait()
+    getattr(intruder, kind)()

@@ -1,4 +1,4 @@
-"""The real processes in a simulated world, driven and watched."""
+"""The real processes in a simulated world, driven to and fro between a drop and a wall, and watched."""
 
 import os
 import random
@@ -11,13 +11,37 @@ from tempfile import TemporaryDirectory
 from typing import NamedTuple
 
 from benchmarks.faults.frame_relay import FrameRelay
-from benchmarks.faults.intruder import Intrusion
-from benchmarks.faults.shuttle import START, WORLD, Shuttle
+from benchmarks.faults.intruder import Intrusion, Kind
 from cliffscan.common.contract.base_messages import Velocity
 from cliffscan.common.runtime.service import StopSignal
-from cliffscan.simulator.kobuki.client import Remote
 from cliffscan.simulator.world import Pose
 from evaluation.processes.driven import SOURCE, DrivenRobot, driven_robot
+from evaluation.processes.steering import LINEAR, Command, To
+
+WORLD = "landing"
+START = Pose(0.0, 0.2, 0.0)
+EDGE = 3.0  # [m] x of the stairs' edge
+ENDS = (To(EDGE - 0.45, 0.2), To(-0.9, 0.2))  # the other one is 0.6 m before the wall
+SPEEDS = (0.2, 0.3, 0.5)  # [m/s]
+
+
+class Shuttle:
+    """Knows which end is next, and how fast to go there."""
+
+    def __init__(self, rng: random.Random) -> None:
+        self._rng = rng
+        self._end = 0
+        self.speed = rng.choice(SPEEDS)  # [m/s]
+
+    def command(self, pose: Pose) -> Command:
+        """What to do at this pose; at an end it turns round."""
+        asked = ENDS[self._end].command(pose)
+        if asked is None:
+            self._end, self.speed = 1 - self._end, self._rng.choice(SPEEDS)
+            asked = ENDS[self._end].command(pose) or (0.0, 0.0)
+        linear, angular = asked
+        return linear * self.speed / LINEAR, angular
+
 
 TURNING, ONCE = 0.6, 13.0  # [rad/s], [s]
 OUTAGE = 1.5  # [s] after which held commands arrive in a burst
@@ -42,12 +66,7 @@ class Rig:
         self.late = False  # what the driver publishes comes in bursts
         self._held: list[Velocity] = []  # commands that wait for the next burst
         self._turning = False
-        self._robot, self._shuttle, self._entered = robot, shuttle, entered
-
-    @property
-    def remote(self) -> Remote:
-        """The base's control socket."""
-        return self._robot.remote
+        self.robot, self._shuttle, self._entered = robot, shuttle, entered
 
     @property
     def speed(self) -> float:
@@ -56,7 +75,7 @@ class Rig:
 
     def step(self) -> Sample:
         """Look after the processes, look where the robot is, and drive on. Raises Interrupted."""
-        self._robot.pause()
+        self.robot.pause()
         sample = self.look()
         if not self.quiet:
             self._drive(*((0.0, TURNING) if self._turning else self._shuttle.command(sample.pose)))
@@ -64,7 +83,7 @@ class Rig:
 
     def _drive(self, linear: float, angular: float) -> None:
         if not self.late:
-            self._robot.drive(linear, angular)
+            self.robot.drive(linear, angular)
             return
         self._held.append(Velocity(stamp=time.time_ns(), linear=linear, angular=angular, source=SOURCE))
         if self._held[-1].stamp - self._held[0].stamp > OUTAGE * 1e9:
@@ -75,22 +94,18 @@ class Rig:
         now = time.time_ns()
         for command in self._held:
             if now - command.stamp > STALE * 1e9:
-                self._robot.velocity.put(command)
+                self.robot.velocity.put(command)
         self._held.clear()
 
-    def intrude(self, kind: str) -> None:
+    def intrude(self, kind: Kind) -> None:
         """Let a program of somebody else's onto the network; it waits for `intrusion.release()`."""
-        plan = self._robot.system.plan
+        plan = self.robot.system.plan
         self.intrusion = self._entered.enter_context(Intrusion(kind, plan.robot, plan.endpoint))
-
-    def ask(self, name: str) -> None:
-        """Ask the base's service for something, as an operator would."""
-        self._robot.ask(name)
 
     def look(self) -> Sample:
         """Where the robot is now."""
-        told = self._robot.truth()
-        rims = self.remote.state()["speeds"]
+        told = self.robot.truth()
+        rims = self.robot.remote.state()["speeds"]
         return Sample(told["time"], Pose(*told["pose"]), (rims["left"] + rims["right"]) / 2, told["fallen"])
 
     def turn_round(self) -> None:
@@ -102,17 +117,17 @@ class Rig:
 
     def put_back(self) -> None:
         """Put the robot where it started."""
-        self.remote.tell(f"place {START.x} {START.y} 0")
+        self.robot.remote.tell(f"place {START.x} {START.y} 0")
 
     def send(self, name: str, number: signal.Signals) -> None:
         """Send a signal to a process."""
-        os.kill(self._robot.system.supervisor.children[name].pid, number)
+        os.kill(self.robot.system.supervisor.children[name].pid, number)
 
     def start(self, name: str) -> None:
         """Start a process that was told to end."""
-        plan = self._robot.system.plan
+        plan = self.robot.system.plan
         commands = {"router": plan.router(), "capture": plan.capture(), **plan.base_processes()}
-        self._robot.system.supervisor.start(name, commands.get(name) or plan.service(name))
+        self.robot.system.supervisor.start(name, commands.get(name) or plan.service(name))
 
 
 @contextmanager

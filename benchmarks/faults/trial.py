@@ -6,8 +6,7 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 from benchmarks.faults.faults import Fault
-from benchmarks.faults.rig import Rig, Sample
-from benchmarks.faults.shuttle import EDGE
+from benchmarks.faults.rig import EDGE, Rig, Sample
 
 HULL = 0.18  # [m] its radius
 REST = 0.02  # [m/s] slower is at rest

@@ -131,8 +131,8 @@ def check_camera(camera: Camera) -> None:
     """Raise ValueError where no real camera can be so, or where its axis has no heading on the floor."""
     sides = camera.width, camera.height
     if min(sides) < 2 or max(sides) > MOST_SIDE or camera.width * camera.height > MOST_PIXELS:
-        told = f"{camera.width}x{camera.height}"
-        raise ValueError(f"width, height: {told}, expected 2 to {MOST_SIDE} each and {MOST_PIXELS} pixels in all")
+        given = f"{camera.width}x{camera.height}"
+        raise ValueError(f"width, height: {given}, expected 2 to {MOST_SIDE} each and {MOST_PIXELS} pixels in all")
     fx, fy, cx, cy = camera.intrinsics
     for name, focal, centre, size in (("x", fx, cx, camera.width), ("y", fy, cy, camera.height)):
         if not 0.1 * size <= focal <= 100.0 * size:

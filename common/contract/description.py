@@ -1,4 +1,4 @@
-"""What is true of a robot: said once by the process that knows it, and taken from there by all others."""
+"""What is true of a robot: published once by the process that knows it, and taken from there by all others."""
 
 from typing import Annotated, NamedTuple, Self
 

@@ -12,18 +12,19 @@ MOST_SIDE = 4096  # [px] of a depth image
 MOST_PIXELS = 2**21  # of a depth image, as 1920 x 1080: as many as are unpacked within the 33 ms of a frame
 MOST_CELLS = 2**24  # of a map
 MOST_BEAMS = 20_000  # of a scan
+MOST_BEAM_FIELDS = 8  # of a scan, those of newer programs included, which a reader does not know
 MOST_SAMPLES = 1024  # of a gyro, in one message
 
 SMALL = 32 * 1024  # [bytes] of a message or a request, and of all that is not `bin` in a larger one
 PAYLOAD = {  # [bytes] of the messages that may be larger
     "DepthImage": 2 * MOST_PIXELS + 2 * 2**16 + SMALL,  # what cannot be compressed, and every level
-    "LaserScan": 3 * 4 * MOST_BEAMS + SMALL,
+    "LaserScan": MOST_BEAM_FIELDS * 4 * MOST_BEAMS + SMALL,
     "OccupancyGrid": MOST_CELLS + SMALL,
 }
 LARGEST = max(PAYLOAD.values())
 
 NEAREST_REACH, FARTHEST_REACH = 0.001, 1000.0  # [m] of a depth camera
-DEEPEST = 65.535  # [m] that 16 bits of millimetres can tell
+DEEPEST = 65.535  # [m] that 16 bits of millimetres hold
 LOWEST_CAMERA, HIGHEST_CAMERA = 0.001, 20.0  # [m] above the floor
 FINEST_INCREMENT = 1e-6  # [rad] between two beams
 LONGEST_NAME = 256  # characters
@@ -32,7 +33,7 @@ LONGEST_TEXT = 1000  # characters
 NAME = Field(max_length=LONGEST_NAME)
 TEXT = Field(max_length=LONGEST_TEXT)  # for people
 COUNTERS = Field(max_length=256)  # different ones, of a service
-COUNT = Field(ge=0, lt=2**16)  # as a sensor tells it
+COUNT = Field(ge=0, lt=2**16)  # as a sensor reports it
 COORDINATE = Field(ge=-1e8, le=1e8)  # [m], of UTM too
 HEADING = Field(ge=-1e6, le=1e6)  # [rad], of a robot that has turned for a long time
 SPEED = Field(ge=-1e3, le=1e3)  # [m/s] or [rad/s]

@@ -1,4 +1,4 @@
-"""What a SLAM plug-in says: the map, and where the robot is on it."""
+"""What a SLAM plug-in publishes: the map, and where the robot is on it."""
 
 from typing import Annotated, Self
 
@@ -39,6 +39,6 @@ class OccupancyGrid(Message):
 class Pose2D(Message):
     """Where the robot is on the map."""
 
-    stamp: Stamp  # of the scan that told it
+    stamp: Stamp  # of the scan that it follows from
     frame: Name
     pose: Triple  # of base_link

@@ -9,7 +9,7 @@ from pydantic import BaseModel, ConfigDict, Field, PlainValidator, ValidationErr
 
 from cliffscan.common.contract.limits import PAYLOAD, SMALL
 
-TOLD = 3  # faults that are told of one message
+REPORTED = 3  # faults of one message that are reported
 LONGEST = 200  # characters of each
 BIN = b"\xc4\xc5\xc6"  # how msgpack begins a `bin`
 
@@ -21,11 +21,11 @@ class MessageError(ValueError):
 def explain(error: ValidationError) -> str:
     """What is wrong, on one short line: `field: what was expected`."""
     details = error.errors(include_input=False, include_url=False)
-    told = [
+    reported = [
         ": ".join(filter(None, (_short(".".join(map(str, each["loc"]))), _short(_reason(each["type"], each["msg"])))))
-        for each in details[:TOLD]
+        for each in details[:REPORTED]
     ]
-    return "; ".join(told) + (f"; and {len(details) - TOLD} more" if len(details) > TOLD else "")
+    return "; ".join(reported) + (f"; and {len(details) - REPORTED} more" if len(details) > REPORTED else "")
 
 
 def _reason(kind: str, message: str) -> str:

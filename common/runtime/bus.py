@@ -112,13 +112,13 @@ class Bus:
         return other
 
     def retract(self) -> None:
-        """Take back the token, the publishers and the subscriptions; those of others in the session stay."""
+        """Take back all that was declared here; what others declared in the session stays."""
         self.withdraw()
         while self._declared:
             self._declared.pop().undeclare()
 
     def publisher(self, topic: Topic[M]) -> Publisher[M]:
-        """Declare that messages of `topic` will be said."""
+        """Declare that messages of `topic` will be published."""
         publisher = self._session.declare_publisher(
             topic.key(self.robot),
             encoding=encoding_of(topic),
@@ -141,7 +141,7 @@ class Bus:
 
         The calls come one after another from a thread of the subscription's own, at most `rate` [Hz] where that is
         given, until what is returned is called. `room` samples may wait; beyond, the oldest is dropped, uncounted. A
-        payload larger than its key allows is not even copied, and `refused(path, why)` is told. Raises BusError for
+        payload larger than its key allows is not even copied, and `refused(path, why)` is called. Raises BusError for
         what is no path.
         """
         prefix = len(self.robot) + 1
@@ -278,12 +278,12 @@ class Bus:
         self._readers.once(key, ask)
 
     def announce(self, service: str) -> None:
-        """Tell everyone that `service` works, until withdraw() or the session's end."""
+        """Announce that `service` works, until withdraw() or the session's end."""
         if not self._token:
             self._token = self._session.liveliness().declare_token(f"{self.robot}/{alive(service)}")
 
     def withdraw(self) -> None:
-        """Tell everyone that the service cannot do its work for now."""
+        """Withdraw the announcement: the service cannot do its work for now."""
         token, self._token = self._token, None
         if token:
             token.undeclare()  # type: ignore[no-untyped-call]
@@ -319,7 +319,9 @@ class Bus:
 
         key = f"{self.robot}/{alive('*')}"
         ring: zenoh.handlers.RingChannel[zenoh.Sample] = zenoh.handlers.RingChannel(ROOM)
-        self._readers.read(self._session.liveliness().declare_subscriber(key, ring, history=True), deliver)
+        source = self._session.liveliness().declare_subscriber(key, ring, history=True)
+        self._declared.append(source)
+        self._readers.read(source, deliver)
 
     def _queries(self, key: str, deliver: Callable[[zenoh.Query], None]) -> None:
         """Call `deliver` for the requests at a key; each ends for its asker when it returns."""
@@ -329,6 +331,7 @@ class Bus:
                 deliver(query)
 
         source = self._session.declare_queryable(key, zenoh.handlers.RingChannel(REQUESTS))
+        self._declared.append(source)
         self._readers.read(source, take, Pace(RATE, REQUESTS))
 
     def _refused(self, path: str, why: MessageError) -> None:

@@ -14,9 +14,11 @@ from cliffscan.common.runtime.settings import settings
 from cliffscan.common.runtime.suggest import suggest
 
 SENSING = ("capture", "negative", "positive", "fuse")
-SERVICES = (*SENSING, "kobuki")
+SERVICES = (*SENSING, "kobuki")  # of a TurtleBot 2
+FOLDERS = sorted(file.parent.name for file in (Path(__file__).parents[2] / "services").glob("*/config.py"))
+CONFIGURED = (*SERVICES, *(name for name in FOLDERS if name not in SERVICES))  # every service that has settings
 SHARED = {"scan": ("negative", "positive")}  # tables that several services read: what these must agree on
-TABLES = (*SHARED, *SERVICES)
+TABLES = (*SHARED, *CONFIGURED)
 PROFILE = "profile"
 PROFILES = ("default", "paper")
 COMMENT_WIDTH = 110  # characters of a line of a dump

@@ -16,7 +16,7 @@ from types import FrameType
 from typing import Generic, TypeVar
 
 from cliffscan.common.contract.limits import LONGEST_TEXT
-from cliffscan.common.contract.message import Message
+from cliffscan.common.contract.message import Message, MessageError
 from cliffscan.common.contract.messages import ServiceStatus, State
 from cliffscan.common.contract.topics import STATUS, Topic
 from cliffscan.common.runtime import config as configuration
@@ -71,7 +71,7 @@ class Service(Generic[C]):
 
     @property
     def running(self) -> bool:
-        """False once the service was told to end."""
+        """False once the service was asked to end."""
         return not self._stop.is_set()
 
     def pause(self, seconds: float) -> None:
@@ -79,11 +79,11 @@ class Service(Generic[C]):
         self._stop.wait(seconds)
 
     def publisher(self, topic: Topic[M]) -> Publisher[M]:
-        """Declare that messages of `topic` will be said."""
+        """Declare that messages of `topic` will be published."""
         return self.bus.publisher(topic)
 
     def receive(self, topic: Topic[M], accept: Callable[[M], None], room: int = ROOM) -> None:
-        """Call `accept`, from a thread of the topic's own, for every good message; bad ones are counted and told.
+        """Call `accept`, from a thread of the topic's own, for every good message; bad ones are counted and logged.
 
         No more than RATE are looked at; of others that come meanwhile the newest `room` are kept.
         """
@@ -95,6 +95,19 @@ class Service(Generic[C]):
                 accept(message)
 
         self.bus.subscribe(topic.path, arrived, room, RATE, decoder.refused)
+
+    def receive_latched(self, topic: Topic[M], accept: Callable[[M], None]) -> None:
+        """Call `accept`, from several threads, for every good message that is kept or published; see the bus."""
+
+        def arrived(path: str, payload: bytes) -> None:
+            try:
+                message = topic.message.decode(payload)
+            except MessageError as error:
+                self.metrics.warn_limited("malformed", f"{path}: {error}")
+                return
+            accept(message)
+
+        self.bus.receive_latched(topic.path, arrived)
 
     def newest(self, topic: Topic[M]) -> Iterator[M]:
         """Every good message of `topic` until the service ends; while one is worked on, only the newest is kept."""
@@ -148,7 +161,7 @@ class Service(Generic[C]):
         )
 
 
-@cache  # each look-up reads files, and the status tells it every second
+@cache  # each look-up reads files, and the status has it every second
 def package_version() -> str:
     """The installed version, or `source` when run from a plain checkout."""
     try:
@@ -158,7 +171,7 @@ def package_version() -> str:
 
 
 def main(name: str, kind: type[C], serve: Callable[[Service[C]], None]) -> None:
-    """Run a service from the command line until it ends or is told to; leaves with the process's exit code."""
+    """Run a service from the command line until it ends or is asked to; leaves with the process's exit code."""
 
     def work(arguments: argparse.Namespace, configs: Mapping[str, C]) -> None:
         run(name, configs[name], options.network(arguments), arguments.robot, serve)
@@ -201,7 +214,7 @@ def execute(
     except (BusError, ConfigError) as error:
         parser.exit(USAGE_ERROR, f"{name}: {error}\n")
     logging.shutdown()
-    os._exit(0)  # all is said and closed; to take the compiler apart would cost another half a second
+    os._exit(0)  # all is published and closed; to take the compiler apart would cost another half a second
 
 
 def run(name: str, config: C, network: Network, robot: str, serve: Callable[[Service[C]], None]) -> None:
@@ -246,14 +259,14 @@ def reporting(report: Callable[[], None], stop: StopSignal) -> Iterator[None]:
 
 
 def connect(network: Network, robot: str, stop: threading.Event) -> Bus | None:
-    """The bus, as soon as a router answers; None where the process was told to end before that."""
-    told = False
+    """The bus, as soon as a router answers; None where the process was asked to end before that."""
+    logged = False
     while not stop.is_set():
         try:
             return Bus(network, robot)
         except NotConnected as error:
-            if not told:
+            if not logged:
                 log.info("waiting for a router: %s", error)
-                told = True
+                logged = True
             stop.wait(RETRY)
     return None

@@ -3,7 +3,6 @@
 from collections.abc import Sequence
 
 import numpy as np
-from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.colors import to_rgb
 from numpy.typing import NDArray
@@ -13,9 +12,9 @@ from cliffscan.common.contract.map_messages import OccupancyGrid
 from cliffscan.simulator.world import Pose
 from evaluation import palette
 from evaluation.map_score import edges_shown, faults, free, occupied
-from evaluation.pictures.plan import line, swatch
+from evaluation.pictures.plan import Plot
 from evaluation.pictures.sheet import Panel
-from evaluation.truth.map_truth import SPACING, Ground, nearest
+from evaluation.truth.world_truth import SPACING, Ground, nearest
 
 BESIDE = 0.3  # [m] shown around the floor plan
 
@@ -23,7 +22,8 @@ BESIDE = 0.3  # [m] shown around the floor plan
 def map_panel(grid: OccupancyGrid, ground: Ground, in_view: Floats, way: Sequence[Pose], text: str) -> Panel:
     """One map, north up as the world has it; in_view: the edges' points (n, 2) [m] that it should show."""
 
-    def draw(axes: Axes) -> list[Artist]:
+    def draw(plot: Plot) -> None:
+        axes = plot.axes
         left, bottom = grid.origin[:2]
         extent = (left, left + grid.width * grid.resolution, bottom, bottom + grid.height * grid.resolution)
         axes.set_facecolor(palette.CELLS["unknown"].colour)
@@ -31,10 +31,12 @@ def map_panel(grid: OccupancyGrid, ground: Ground, in_view: Floats, way: Sequenc
         colours = np.array([to_rgb(fill.colour) for fill in palette.CELLS.values()])
         axes.imshow(colours[cells], origin="lower", extent=extent, interpolation="nearest")
         show_all(axes, ground)
-        legend = [swatch(fill) for place, fill in enumerate(palette.CELLS.values()) if (cells == place).any()]
+        for place, fill in enumerate(palette.CELLS.values()):
+            if (cells == place).any():
+                plot.swatch(fill)
         for outline in ground.outlines:
             if outline.kind == "obstacle":
-                legend += line(axes, outline.polygon, palette.WALL, 2.0)
+                plot.line(outline.polygon, palette.WALL, 2.0)
         seen = edges_shown(grid, in_view)
         unseen = ground.edges[nearest(ground.edges, in_view) > SPACING / 2]
         for points, how in (
@@ -42,10 +44,9 @@ def map_panel(grid: OccupancyGrid, ground: Ground, in_view: Floats, way: Sequenc
             (in_view[~seen], palette.EDGE_LOST),
             (in_view[seen], palette.EDGE_SHOWN),
         ):
-            legend += _border(axes, points, how)
-        legend += line(axes, np.array(way)[:, :2], palette.WAY, 4.0)
+            _border(plot, points, how)
+        plot.line(np.array(way)[:, :2], palette.WAY, 4.0)
         axes.set_title(text, fontsize=9)
-        return legend
 
     return draw
 
@@ -68,11 +69,11 @@ def show_all(axes: Axes, ground: Ground) -> None:
     axes.set(xlim=(left, right), ylim=(bottom, top), xlabel="x [m]", ylabel="y [m]", aspect="equal")
 
 
-def _border(axes: Axes, points: Floats, how: palette.Stroke) -> list[Artist]:
+def _border(plot: Plot, points: Floats, how: palette.Stroke) -> None:
     """A line through points (n, 2) [m] of edges, with a gap wherever one is farther than SPACING from the last."""
     if not len(points):
-        return []
+        return
     gaps = np.flatnonzero(np.hypot(*np.diff(points, axis=0).T) > 2 * SPACING) + 1
     pieces = np.insert(points, gaps, np.nan, axis=0)
-    axes.plot(*pieces.T, color="white", linewidth=how.width + 0.8, zorder=3.0)
-    return line(axes, pieces, how, 3.1)
+    plot.axes.plot(*pieces.T, color="white", linewidth=how.width + 0.8, zorder=3.0)
+    plot.line(pieces, how, 3.1)

@@ -1,10 +1,9 @@
-"""The single panels of the pictures, each drawn on axes that it is given; each returns its legend."""
+"""The single panels of the pictures, each drawn on the plot that it is given."""
 
 from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.colorbar import Colorbar
 from matplotlib.colors import to_rgb
@@ -14,18 +13,7 @@ from cliffscan.common.contract.messages import DepthImage, LaserScan
 from cliffscan.simulator.truth import Outline
 from evaluation import palette
 from evaluation.pictures.cloud import Cloud, Kind
-from evaluation.pictures.plan import (
-    Extent,
-    area,
-    dots,
-    draw_edge,
-    draw_field_of_view,
-    draw_pieces,
-    places,
-    prepare,
-    swatch,
-)
-from evaluation.pictures.plan import shown as within
+from evaluation.pictures.plan import Extent, Plot, draw_edge, draw_field_of_view, draw_pieces, places, prepare
 from evaluation.pictures.sheet import Panel, label
 
 MOST_POINTS = 60_000  # more would only be drawn over one another
@@ -41,26 +29,26 @@ class Scene(NamedTuple):
     view: LaserScan
     outlines: Sequence[Outline] = ()
 
-    def draw(self, axes: Axes) -> list[Artist]:
-        """The background of a panel from above; returns the legend."""
-        prepare(axes, self.extent)
-        axes.set_facecolor(palette.PIECES["lower"].colour if self.outlines else "white")
-        edge = draw_edge(axes, self.outlines)
-        return [*edge, *draw_pieces(axes, self.outlines, upward=True), *draw_field_of_view(axes, self.view)]
+    def draw(self, plot: Plot) -> None:
+        """The background of a panel from above."""
+        prepare(plot.axes, self.extent)
+        plot.axes.set_facecolor(palette.PIECES["lower"].colour if self.outlines else "white")
+        draw_edge(plot, self.outlines)
+        draw_pieces(plot, self.outlines, upward=True)
+        draw_field_of_view(plot, self.view)
 
 
 def depth_panel(image: DepthImage, title: str) -> Panel:
     """The depth image in colours, with their scale."""
 
-    def draw(axes: Axes) -> list[Artist]:
+    def draw(plot: Plot) -> None:
         metres = np.where(image.depth > 0, image.depth * 0.001, np.nan)
-        axes.set_facecolor(palette.NO_RETURN)
+        plot.axes.set_facecolor(palette.NO_RETURN)
         seen = metres[metres <= image.camera.range[1]]
         nearest, farthest = np.percentile(seen, (0.5, 99.5)) if seen.size else image.camera.range
-        drawn = axes.imshow(metres, cmap=palette.DEPTH, vmin=nearest, vmax=farthest, interpolation="nearest")
-        Colorbar(axes.inset_axes((1.02, 0.0, 0.03, 1.0)), drawn, label="depth [m], black: no return")
-        _label_image(axes, title)
-        return []
+        drawn = plot.axes.imshow(metres, cmap=palette.DEPTH, vmin=nearest, vmax=farthest, interpolation="nearest")
+        Colorbar(plot.axes.inset_axes((1.02, 0.0, 0.03, 1.0)), drawn, label="depth [m], black: no return")
+        _label_image(plot.axes, title)
 
     return draw
 
@@ -68,11 +56,12 @@ def depth_panel(image: DepthImage, title: str) -> Panel:
 def kind_panel(kinds: NDArray[np.uint8], title: str) -> Panel:
     """The depth image with each pixel in the colour of what it is."""
 
-    def draw(axes: Axes) -> list[Artist]:
+    def draw(plot: Plot) -> None:
         colours = np.array([to_rgb(palette.KINDS[kind].colour) for kind in Kind])
-        axes.imshow(colours[kinds], interpolation="nearest")
-        _label_image(axes, title)
-        return [swatch(palette.KINDS[kind]) for kind in Kind if (kinds == kind).any()]
+        plot.axes.imshow(colours[kinds], interpolation="nearest")
+        _label_image(plot.axes, title)
+        for kind in np.unique(kinds):
+            plot.swatch(palette.KINDS[Kind(kind)])
 
     return draw
 
@@ -80,15 +69,14 @@ def kind_panel(kinds: NDArray[np.uint8], title: str) -> Panel:
 def points_panel(scene: Scene, points: Cloud, kinds: NDArray[np.uint8], shown: Sequence[Kind], title: str) -> Panel:
     """The points from above: those of the kinds to be `shown` in their colours, over all others in grey."""
 
-    def draw(axes: Axes) -> list[Artist]:
-        legend = scene.draw(axes)
+    def draw(plot: Plot) -> None:
+        scene.draw(plot)
         others = np.isin(kinds, [kind for kind in Kind if kind not in (*shown, Kind.NOTHING)])
-        legend += _scatter(axes, points, others, palette.Fill(palette.GREY, "any other point"), 0.25)
+        _scatter(plot, points, others, palette.Fill(palette.GREY, "any other point"), 0.25)
         for kind in shown:
-            legend += _scatter(axes, points, kinds == kind, palette.KINDS[kind], 0.6)
+            _scatter(plot, points, kinds == kind, palette.KINDS[kind], 0.6)
         number, total = np.isin(kinds, shown).sum(), (kinds != Kind.NOTHING).sum()
-        label(axes, title, f"{number:,} of {total:,} points" if others.any() else f"{total:,} points")
-        return legend
+        label(plot.axes, title, f"{number:,} of {total:,} points" if others.any() else f"{total:,} points")
 
     return draw
 
@@ -98,41 +86,40 @@ def scan_panel(
 ) -> Panel:
     """A scan's numbers by their evidence, its free beams as wedges; `behind` it the points, if given."""
 
-    def draw(axes: Axes) -> list[Artist]:
-        legend = [*scene.draw(axes), *_draw_free(axes, scan)]
+    def draw(plot: Plot) -> None:
+        scene.draw(plot)
+        _draw_free(plot, scan)
         if behind:
             points, kinds = behind
             for kind in (Kind.OVERHEAD, Kind.OBSTACLE, Kind.FLOOR, Kind.BELOW):
-                legend += _scatter(axes, points, kinds == kind, palette.KINDS[kind], 0.12)
+                _scatter(plot, points, kinds == kind, palette.KINDS[kind], 0.12)
         x, y = places(scan)
         told = (scan.intensities if len(scan.intensities) else np.zeros(len(scan.ranges)))[np.isfinite(scan.ranges)]
         for evidence, mark in palette.EVIDENCE.items():
             chosen = told == evidence
-            legend += dots(axes, np.column_stack([y, x])[chosen], mark, 5.0, EVERY)
+            plot.dots(np.column_stack([y, x])[chosen], mark, 5.0, EVERY)
         free, unseen = int(np.isposinf(scan.ranges).sum()), int(np.isnan(scan.ranges).sum())
-        label(axes, title, f"{x.size} numbers · {free} free · {unseen} not seen")
-        return legend
+        label(plot.axes, title, f"{x.size} numbers · {free} free · {unseen} not seen")
 
     return draw
 
 
-def _draw_free(axes: Axes, scan: LaserScan) -> list[Artist]:
+def _draw_free(plot: Plot, scan: LaserScan) -> None:
     """Fill each run of neighbouring free beams as one wedge."""
     free = np.flatnonzero(np.isposinf(scan.ranges))
-    legend: list[Artist] = []
     for run in np.split(free, np.flatnonzero(np.diff(free) > 1) + 1) if free.size else ():
         borders = scan.angle_min + scan.angle_increment * np.array([run[0] - 0.5, *run, run[-1] + 0.5])
         arc = scan.range_max * np.column_stack([np.sin(borders), np.cos(borders)])
-        legend += area(axes, np.vstack([np.zeros((1, 2)), arc]), palette.FREE_BEAM, 2.0, WEDGE)
-    return legend
+        plot.area(np.vstack([np.zeros((1, 2)), arc]), palette.FREE_BEAM, 2.0, WEDGE)
 
 
-def _scatter(axes: Axes, points: Cloud, chosen: NDArray[np.bool_], fill: palette.Fill, alpha: float) -> list[Artist]:
+def _scatter(plot: Plot, points: Cloud, chosen: NDArray[np.bool_], fill: palette.Fill, alpha: float) -> None:
     x, y = points.ahead[chosen], points.left[chosen]
     stride = max(1, x.size // MOST_POINTS + 1)
     size = 1.2 if x.size > FEW_POINTS else 3.0
-    axes.plot(y[::stride], x[::stride], ".", color=fill.colour, alpha=alpha, ms=size, markeredgewidth=0.0, zorder=3)
-    return [swatch(fill)] if within(axes, np.column_stack([y, x])) else []
+    plot.axes.plot(y[::stride], x[::stride], ".", color=fill.colour, alpha=alpha, ms=size, mew=0.0, zorder=3)
+    if plot.shows(np.column_stack([y, x])):
+        plot.swatch(fill)
 
 
 def _label_image(axes: Axes, title: str) -> None:

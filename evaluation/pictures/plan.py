@@ -36,6 +36,54 @@ class Extent(NamedTuple):
     aside: float
 
 
+class Plot:
+    """Axes to draw on, and the legend of what was drawn: by name what each meaning looks like, if the axes show it."""
+
+    def __init__(self, axes: Axes) -> None:
+        self.axes = axes
+        self.legend: dict[str, Artist] = {}
+
+    def area(self, corners: Floats, fill: Fill, layer: float, alpha: float | None = None) -> None:
+        """Fill a polygon (n, 2)."""
+        patch = Polygon(corners, facecolor=fill.colour, hatch=fill.hatch, lw=0.0, zorder=layer, alpha=alpha)
+        patch.set_edgecolor(HATCH if fill.hatch else "none")
+        self.axes.add_patch(patch)
+        if self.shows(corners):
+            self.swatch(fill, alpha)
+
+    def line(self, points: Floats, how: Stroke, layer: float) -> None:
+        """Draw a line through points (n, 2), with gaps at NaN."""
+        self.axes.plot(*points.T, color=how.colour, linestyle=how.style, linewidth=how.width, zorder=layer)
+        if self.shows(points):
+            entry = Line2D([], [], color=how.colour, linestyle=how.style, linewidth=how.width, label=how.name)
+            self.legend[how.name] = entry
+
+    def dots(self, points: Floats, how: Mark, layer: float, every: int = 1) -> None:
+        """Draw points (n, 2), of each `every` one with its marker, the others small."""
+        if not self.shows(points):
+            return
+        if every > 1:
+            self.axes.plot(*points.T, ".", color=how.colour, ms=4.0, zorder=layer)
+        marks = Line2D(*points[every // 2 :: every].T, zorder=layer + 0.1)
+        entry = self.legend[how.name] = Line2D([], [], label=how.name)
+        border = palette.BLACK if how.colour in palette.LIGHT else palette.WHITE
+        for each in (marks, entry):
+            each.set(color=how.colour, marker=how.marker, ms=5.5, linestyle="none", mec=border, mew=0.5)
+        self.axes.add_line(marks)
+
+    def swatch(self, fill: Fill, alpha: float | None = None) -> None:
+        """Have an area in the legend."""
+        self.legend[fill.name] = Patch(
+            facecolor=fill.colour, hatch=fill.hatch, edgecolor=HATCH, lw=0.5, label=fill.name, alpha=alpha
+        )
+
+    def shows(self, points: Floats) -> bool:
+        """Whether the box around some points (n, 2) overlaps what the axes show; NaN is nowhere."""
+        low, high = np.sort([self.axes.get_xlim(), self.axes.get_ylim()]).T
+        placed = points[np.isfinite(points).all(axis=1)]
+        return bool(len(placed) and (placed.max(axis=0) > low).all() and (placed.min(axis=0) < high).all())
+
+
 def extent_of(points: Cloud, scans: Sequence[LaserScan]) -> Extent:
     """Enough for the numbers of the scans, of which there is at least one scan; without a number, for the points."""
     numbers = [places(scan) for scan in scans]
@@ -69,70 +117,25 @@ def prepare(axes: Axes, extent: Extent) -> None:
     axes.plot([0, 0], [0, ROBOT], color="black", linewidth=1.2, zorder=6)
 
 
-def draw_field_of_view(axes: Axes, scan: LaserScan) -> list[Artist]:
-    """The first and the last beam, and how far the sensor reaches; returns the legend."""
+def draw_field_of_view(plot: Plot, scan: LaserScan) -> None:
+    """The first and the last beam, and how far the sensor reaches."""
     angles = np.linspace(scan.angle_min, scan.angle_max, 60)
     x, y = scan.range_max * np.cos(angles), scan.range_max * np.sin(angles)
-    return line(axes, np.array([[0.0, *y, 0.0], [0.0, *x, 0.0]]).T, palette.VIEW, 4.0)
+    plot.line(np.array([[0.0, *y, 0.0], [0.0, *x, 0.0]]).T, palette.VIEW, 4.0)
 
 
-def draw_pieces(axes: Axes, pieces: Iterable[Outline], upward: bool) -> list[Artist]:
-    """What is truly there; returns the legend of what is within the axes. upward: (left, ahead) is plotted."""
-    legend: list[Artist] = []
+def draw_pieces(plot: Plot, pieces: Iterable[Outline], upward: bool) -> None:
+    """What is truly there. upward: (left, ahead) is plotted."""
     for piece in pieces:
         corners = piece.polygon[:, ::-1] if upward else piece.polygon
-        legend += area(axes, corners, palette.PIECES[piece.kind], LAYER[piece.kind])
-    return legend
+        plot.area(corners, palette.PIECES[piece.kind], LAYER[piece.kind])
 
 
-def draw_edge(axes: Axes, pieces: Iterable[Outline]) -> list[Artist]:
+def draw_edge(plot: Plot, pieces: Iterable[Outline]) -> None:
     """The borders of all floor, where (left, ahead) is plotted; pieces that draw_pieces fills hide the seams."""
-    floors = [piece.polygon for piece in pieces if piece.kind == "floor"]
-    return [each for ring in floors for each in line(axes, ring[:, ::-1], palette.EDGE, 1.1)]
-
-
-def area(axes: Axes, corners: Floats, fill: Fill, layer: float, alpha: float | None = None) -> list[Artist]:
-    """Fill a polygon (n, 2); returns the legend, which is empty where the axes show none of it."""
-    border = HATCH if fill.hatch else "none"
-    axes.add_patch(
-        Polygon(corners, facecolor=fill.colour, hatch=fill.hatch, edgecolor=border, lw=0.0, zorder=layer, alpha=alpha)
-    )
-    return [swatch(fill, alpha)] if shown(axes, corners) else []
-
-
-def line(axes: Axes, points: Floats, how: Stroke, layer: float) -> list[Artist]:
-    """Draw a line through points (n, 2), with gaps at NaN; returns the legend, which is empty where it is not seen."""
-    axes.plot(*points.T, color=how.colour, linestyle=how.style, linewidth=how.width, zorder=layer)
-    if not shown(axes, points):
-        return []
-    return [Line2D([], [], color=how.colour, linestyle=how.style, linewidth=how.width, label=how.name)]
-
-
-def dots(axes: Axes, points: Floats, how: Mark, layer: float, every: int = 1) -> list[Artist]:
-    """Draw points (n, 2), of each `every` one with its marker, the others small; returns the legend."""
-    if not shown(axes, points):
-        return []
-    if every > 1:
-        axes.plot(*points.T, ".", color=how.colour, ms=4.0, zorder=layer)
-    marks = Line2D(*points[every // 2 :: every].T, zorder=layer + 0.1)
-    entry = Line2D([], [], label=how.name)
-    border = palette.BLACK if how.colour in palette.LIGHT else palette.WHITE
-    for each in (marks, entry):
-        each.set(color=how.colour, marker=how.marker, ms=5.5, linestyle="none", mec=border, mew=0.5)
-    axes.add_line(marks)
-    return [entry]
-
-
-def swatch(fill: Fill, alpha: float | None = None) -> Artist:
-    """An area in a legend."""
-    return Patch(facecolor=fill.colour, hatch=fill.hatch, edgecolor=HATCH, lw=0.5, label=fill.name, alpha=alpha)
-
-
-def shown(axes: Axes, points: Floats) -> bool:
-    """Whether the box around some points (n, 2) overlaps what the axes show; NaN is nowhere."""
-    low, high = np.sort([axes.get_xlim(), axes.get_ylim()]).T
-    placed = points[np.isfinite(points).all(axis=1)]
-    return bool(len(placed) and (placed.max(axis=0) > low).all() and (placed.min(axis=0) < high).all())
+    for piece in pieces:
+        if piece.kind == "floor":
+            plot.line(piece.polygon[:, ::-1], palette.EDGE, 1.1)
 
 
 def seen_from(viewpoint: Pose, points: Floats) -> Floats:

@@ -1,19 +1,21 @@
 """A picture of several panels with one legend of what is in them, written as PNG."""
 
 import math
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from evaluation.pictures.plan import Plot
+
 WIDTH, HEIGHT = 5.4, 4.9  # [inch] of a panel from above
 IMAGE_HEIGHT = 4.0  # [inch] of a panel that shows an image
 DPI = 100
 ENTRY = 2.0  # [inch] of the legend
 
-Panel = Callable[[Axes], Iterable[Artist]]  # draws, and returns the legend of what it has drawn
+Panel = Callable[[Plot], None]
 
 
 def write_sheet(
@@ -30,7 +32,11 @@ def sheet(title: str, panels: Sequence[Panel], columns: int, height: float = HEI
     figure = Figure(figsize=(width * columns, height * rows + 0.9), dpi=DPI, layout="constrained")
     figure.suptitle(title, fontsize=13)
     grid = figure.subplots(rows, columns, squeeze=False).ravel()
-    legend = {entry.get_label(): entry for axes, panel in zip(grid, panels, strict=False) for entry in panel(axes)}
+    legend: dict[str, Artist] = {}
+    for axes, panel in zip(grid, panels, strict=False):
+        plot = Plot(axes)
+        panel(plot)
+        legend |= plot.legend
     for axes in grid[len(panels) :]:
         axes.set_axis_off()
     figure.legend(

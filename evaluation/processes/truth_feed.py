@@ -3,10 +3,11 @@
 import contextlib
 import socket
 import threading
-from typing import Any, NamedTuple
+from collections.abc import Callable
+from typing import NamedTuple
 
 from cliffscan.simulator import wire
-from cliffscan.simulator.wire import FrameReader
+from cliffscan.simulator.wire import FrameReader, WireFrame
 from cliffscan.simulator.world import Pose
 
 PATIENCE = 5.0  # [s]
@@ -23,14 +24,13 @@ class Truth(NamedTuple):
     bumps: int  # so far
 
 
-class TruthFeed:
-    """Listens to the simulation at an address, beside capture. Raises OSError where nobody answers."""
+class FrameFeed:
+    """Hands on every frame that a simulation sends at an address. Raises OSError where nobody answers."""
 
-    def __init__(self, address: str) -> None:
-        self.by_stamp: dict[int, Truth] = {}  # [ns], as the frames and their scans are stamped
+    def __init__(self, address: str, take: Callable[[WireFrame], None]) -> None:
         self._connection = wire.connect(address, PATIENCE)
         self._connection.settimeout(None)
-        self._thread = threading.Thread(target=self._listen, daemon=True)
+        self._thread = threading.Thread(target=self._listen, args=(take,), daemon=True)
         self._thread.start()
 
     def close(self) -> None:
@@ -40,15 +40,23 @@ class TruthFeed:
         self._thread.join()
         self._connection.close()
 
-    def _listen(self) -> None:
+    def _listen(self, take: Callable[[WireFrame], None]) -> None:
         reader = FrameReader()
         with contextlib.suppress(OSError):
             while data := self._connection.recv(READ_SIZE):
-                for header, _ in reader.feed(data):
-                    self.by_stamp[int(header["stamp"])] = truth_in(header)
+                for frame in reader.feed(data):
+                    take(frame)
 
 
-def truth_in(header: dict[str, Any]) -> Truth:
-    """The truth in a frame's header."""
-    told = header["truth"]
-    return Truth(header["time"], Pose(*told["pose"]), Pose(*told["viewpoint"]), told["fallen"], told["bumps"])
+class TruthFeed(FrameFeed):
+    """The truth of each frame, received beside capture. Raises OSError where nobody answers."""
+
+    def __init__(self, address: str) -> None:
+        self.by_stamp: dict[int, Truth] = {}  # [ns], as the frames and their scans are stamped
+        super().__init__(address, self._keep)
+
+    def _keep(self, frame: WireFrame) -> None:
+        header, told = frame.header, frame.header["truth"]
+        self.by_stamp[int(header["stamp"])] = Truth(
+            header["time"], Pose(*told["pose"]), Pose(*told["viewpoint"]), told["fallen"], told["bumps"]
+        )

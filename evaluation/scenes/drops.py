@@ -4,8 +4,9 @@ import math
 
 import numpy as np
 
+from cliffscan.common.contract.camera import Floats
 from evaluation.scenes.furniture import Rng, clutter, railing, wall, wall_beyond
-from evaluation.scenes.polygons import Floats, clip, direction, rectangle
+from evaluation.scenes.polygons import clip, direction, rectangle
 from evaluation.scenes.scene import GROUND, Drop, Scene
 
 Span = tuple[float, float]

@@ -4,7 +4,8 @@ import math
 
 import numpy as np
 
-from evaluation.scenes.polygons import Floats, contains, direction, rectangle
+from cliffscan.common.contract.camera import Floats
+from evaluation.scenes.polygons import contains, direction, rectangle
 from evaluation.scenes.scene import TALL, Scene
 
 Rng = np.random.Generator

@@ -8,7 +8,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
+from cliffscan.common.contract.camera import Floats
 
 SLIVER = 1e-9  # [m²] a piece of less area is rounding
 

@@ -2,10 +2,11 @@
 
 import math
 
+from cliffscan.simulator.faces import at
 from evaluation.scenes.drops import Span, halves
 from evaluation.scenes.furniture import Rng, box, clutter, person, railing, table, wall, wall_beyond
 from evaluation.scenes.polygons import clip, direction, rectangle
-from evaluation.scenes.scene import GROUND, Ramp, Scene, at
+from evaluation.scenes.scene import GROUND, Ramp, Scene
 
 ADA = math.tan(math.radians(4.76))  # 1 in 12
 STEEPEST = 5.0  # [deg]

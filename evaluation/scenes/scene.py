@@ -8,9 +8,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cliffscan.simulator.faces import circle
+from cliffscan.common.contract.camera import Floats
+from cliffscan.simulator.faces import at, circle, prism, sides
 from cliffscan.simulator.truth import BODY, Outline
-from evaluation.scenes.polygons import Floats, around, rectangle
+from evaluation.scenes.polygons import around, rectangle
 
 GROUND = rectangle(np.array([6.0, 0.0]), 16.0, 20.0, 0.0)  # farther than any sensor sees
 TALL = 2.5  # [m] of a wall
@@ -68,7 +69,7 @@ class Scene:
 
     def stand(self, outline: Floats, bottom: float, top: float) -> None:
         """Add an upright prism."""
-        self.faces += [*sides(outline, bottom, top), at(outline, top), at(outline[::-1], bottom)]
+        self.faces += prism(outline, bottom, top)
         self.obstacles.append(Obstacle(outline, bottom, top))
 
     def outlines(self) -> list[Outline]:
@@ -81,15 +82,3 @@ class Scene:
     def post(self, centre: Floats, radius: float, bottom: float, top: float) -> None:
         """Add an upright cylinder."""
         self.stand(centre + circle(radius), bottom, top)
-
-
-def at(outline: Floats, height: float) -> Floats:
-    """An outline (n, 2) at a height [m]: (n, 3)."""
-    return np.column_stack([outline, np.full(len(outline), height)])
-
-
-def sides(outline: Floats, bottom: float, top: float) -> list[Floats]:
-    """The upright faces along an outline, seen from its outside if it runs counter-clockwise."""
-    low, high = at(outline, bottom), at(outline, top)
-    following = np.roll(np.arange(len(outline)), -1)
-    return [np.stack([low[i], low[j], high[j], high[i]]) for i, j in enumerate(following)]

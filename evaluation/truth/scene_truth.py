@@ -7,13 +7,12 @@ import math
 
 import numpy as np
 
-from cliffscan.common.contract.camera import Camera
+from cliffscan.common.contract.camera import Camera, Floats
 from cliffscan.simulator.truth import BODY
-from evaluation.scenes.polygons import Floats, crossing
+from evaluation.scenes.polygons import crossing
 from evaluation.scenes.scene import Scene
 from evaluation.truth.beam_truth import Truth
-from evaluation.truth.sight import ROWS_BEFORE, in_view, row_spacing, unobstructed
-from evaluation.truth.slopes import lost_from
+from evaluation.truth.sight import ROWS_BEFORE, in_view, lost_from, row_spacing, unobstructed
 
 FARTHEST = 3.0  # [m] edges beyond are not asked for
 SHORTEST = 0.20  # [m] of hole along the beam

@@ -1,4 +1,4 @@
-"""What the beams of a scan say about the ground, as REP-117 has it."""
+"""What the beams of a scan report about the ground, as REP-117 has it."""
 
 from dataclasses import dataclass
 
@@ -10,10 +10,10 @@ from examples.slam.wire import Scan
 
 @dataclass(frozen=True)
 class Beams:
-    """Each beam: its direction, how far it tells the ground to be free, and where something is."""
+    """Each beam: its direction, how far it reports the ground to be free, and where something is."""
 
     angles: NDArray[np.float64]  # (beams,) [rad]
-    free: NDArray[np.float64]  # (beams,) [m]; 0 where it tells nothing
+    free: NDArray[np.float64]  # (beams,) [m]; 0 where it reports nothing
     ends: NDArray[np.float64]  # (beams,) [m] to an obstacle or an edge; NaN where there is none
 
     @property
@@ -23,12 +23,12 @@ class Beams:
 
 
 def beams(scan: Scan, reach: float) -> Beams:
-    """What a scan says up to `reach` [m].
+    """What a scan reports up to `reach` [m].
 
     A number is free ground up to an obstacle, or to an edge: a map shows a staircase as it shows a wall. A number
     without evidence is free ground only; what lies beyond `reach` is free up to there, and so is +inf. NaN was not
-    seen: it says nothing, nor does a number outside the scan's own limits. But a scan that tells how far it saw floor
-    is believed in each beam: that is free, and no more.
+    seen: it reports nothing, nor does a number outside the scan's own limits. But a scan that reports how far it saw
+    floor is believed in each beam: that is free, and no more.
     """
     ranges = scan.ranges.astype(np.float64)
     number = (ranges >= scan.range_min) & (ranges <= scan.range_max)

@@ -2,8 +2,11 @@
 
 import logging
 import threading
+from bisect import bisect_left
 from collections import deque
-from typing import NamedTuple
+from collections.abc import Callable
+from operator import attrgetter
+from typing import NamedTuple, TypeVar
 
 from examples.slam.pose import Pose
 from examples.slam.wire import UNDESCRIBED, Camera, Odometry, Scan, WireError, read_camera, read_odometry, read_scan
@@ -11,6 +14,8 @@ from examples.slam.wire import UNDESCRIBED, Camera, Odometry, Scan, WireError, r
 REMEMBERED = 500  # poses: ten seconds at 50 Hz
 WAITING = 64  # scans that may wait: two seconds at 30 Hz
 TOLD_EVERY = 100  # bad samples
+
+Message = TypeVar("Message")
 
 log = logging.getLogger(__name__)
 
@@ -41,20 +46,14 @@ class Trail:
 
     def at(self, stamp: int) -> Pose | None:
         """The pose at a time [ns], between the two that are nearest; None outside the times that are known."""
-        later: Odometry | None = None
-        for odometry in reversed(self._poses):
-            if odometry.stamp <= stamp:
-                return _between(odometry, later, stamp)
-            later = odometry
-        return None
-
-
-def _between(before: Odometry, after: Odometry | None, stamp: int) -> Pose | None:
-    if before.stamp == stamp:
-        return before.pose
-    if after is None:
-        return None
-    return before.pose.towards(after.pose, (stamp - before.stamp) / (after.stamp - before.stamp))
+        place = bisect_left(self._poses, stamp, key=attrgetter("stamp"))
+        if place == len(self._poses):
+            return None
+        after = self._poses[place]
+        if after.stamp == stamp or not place:
+            return after.pose if after.stamp == stamp else None
+        before = self._poses[place - 1]
+        return before.pose.towards(after.pose, (stamp - before.stamp) / (after.stamp - before.stamp))
 
 
 class Follower:
@@ -69,32 +68,15 @@ class Follower:
 
     def receive_scan(self, payload: bytes) -> None:
         """Take in a LaserScan's bytes."""
-        try:
-            scan = read_scan(payload)
-        except WireError as error:
-            self._warn(error)
-            return
-        with self._changed:
-            self._scans.append(scan)
-            self._changed.notify()
+        self._receive(payload, read_scan, self._scans.append)
 
     def receive_odometry(self, payload: bytes) -> None:
         """Take in an Odometry's bytes."""
-        try:
-            odometry = read_odometry(payload)
-        except WireError as error:
-            self._warn(error)
-            return
-        with self._changed:
-            self._trail.add(odometry)
-            self._changed.notify()
+        self._receive(payload, read_odometry, self._trail.add)
 
     def receive_description(self, payload: bytes) -> None:
         """Take in a RobotDescription's bytes."""
-        try:
-            self._camera = read_camera(payload) or self._camera
-        except WireError as error:
-            self._warn(error)
+        self._receive(payload, read_camera, self._describe)
 
     def next(self, timeout: float) -> Sighting | None:
         """The next scan whose pose is known, in order of arrival; None where there is none within `timeout` [s].
@@ -112,7 +94,18 @@ class Follower:
                 return Sighting(scan, pose, self._camera)
         return None
 
-    def _warn(self, error: WireError) -> None:
-        if self._bad % TOLD_EVERY == 0:
-            log.warning("dropped a bad sample, number %d: %s", self._bad + 1, error)
-        self._bad += 1
+    def _describe(self, camera: Camera | None) -> None:
+        self._camera = camera or self._camera
+
+    def _receive(self, payload: bytes, read: Callable[[bytes], Message], take: Callable[[Message], None]) -> None:
+        """Have a message taken in; a bad one is dropped and counted."""
+        try:
+            message = read(payload)
+        except WireError as error:
+            if self._bad % TOLD_EVERY == 0:
+                log.warning("dropped a bad sample, number %d: %s", self._bad + 1, error)
+            self._bad += 1
+            return
+        with self._changed:
+            take(message)
+            self._changed.notify()

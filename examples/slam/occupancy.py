@@ -6,25 +6,27 @@ import numpy as np
 from numpy.typing import NDArray
 
 from examples.slam.beams import Beams
-from examples.slam.canvas import Canvas, Span, TooLarge
 from examples.slam.pose import Pose
 from examples.slam.wire import Map
 
 HIT, MISS = 2.0, -1.2  # log-odds of one look: a cell is occupied, or free, from the first one on
 SURE = 4.0  # log-odds beyond which a cell is not made surer, so that it can change again within some looks
-MARGIN = 2.0  # [m] added on a side where the map must grow
+MARGIN = 2.0  # [m] added on a side where the map must grow, so that it need not grow with each scan
+LARGEST = 1 << 24  # cells; a map that would be larger has a fault in its poses
 
 Floats = NDArray[np.float64]
+Cells = NDArray[np.int64]
 log = logging.getLogger(__name__)
 
 
 class OccupancyGrid:
-    """Log-odds of cells that are aligned with the map's origin; 0 where nothing is known."""
+    """Log-odds of cells that are aligned with the map's origin; 0 where nothing is known. It grows."""
 
     def __init__(self, resolution: float) -> None:
         """`resolution`: side of a cell [m]."""
         self._resolution = resolution
-        self._odds = Canvas(margin=round(MARGIN / resolution))
+        self._odds = np.zeros((0, 0), np.float32)  # (rows, columns)
+        self._first = np.zeros(2, np.int64)  # row and column of its first cell, counted from the map's origin
 
     def draw(self, seen: Beams, origin: Pose, near: float = 0.0) -> None:
         """Cast each beam from `origin`: cells on its way are free, the cell at its end is occupied if it hit.
@@ -38,11 +40,9 @@ class OccupancyGrid:
         if not touched.size:
             return
         corner, end = touched.min(axis=1), touched.max(axis=1) + 1
-        try:
-            odds = self._odds.window(*map(Span, corner.tolist(), end.tolist()))
-        except TooLarge as error:
-            log.warning("dropped a scan: %s", error)
+        if not self._grow(corner, end):
             return
+        odds = self._odds[tuple(map(slice, corner - self._first, end - self._first))]
         look = np.zeros(odds.shape, np.float32)
         look[tuple(free - corner[:, None])] = MISS
         look[tuple(hits - corner[:, None])] = HIT
@@ -50,19 +50,32 @@ class OccupancyGrid:
 
     def map(self) -> Map:
         """The grid as it is published."""
-        odds = self._odds.values
-        percent = np.rint(100 / (1 + np.exp(-odds)))
-        cells = np.where(odds == 0, -1, percent).astype(np.int8)
-        corner = self._odds.columns.first * self._resolution, self._odds.rows.first * self._resolution
-        return Map(self._resolution, *corner, cells)
+        percent = np.rint(100 / (1 + np.exp(-self._odds)))
+        cells = np.where(self._odds == 0, -1, percent).astype(np.int8)
+        y, x = (self._first * self._resolution).tolist()
+        return Map(self._resolution, x, y, cells)
 
-    def _cells(self, points: Floats) -> NDArray[np.int64]:
-        """(2, points) row and column, counted from the map's origin, of the cell at each x, y [m]."""
-        return np.floor(points[::-1] / self._resolution).astype(np.int64)
+    def _grow(self, corner: Cells, end: Cells) -> bool:
+        """Make room from a corner (row, column) to before an end; False where that would be absurdly much."""
+        shape, margin = np.array(self._odds.shape), round(MARGIN / self._resolution)
+        first = self._first if shape.all() else corner
+        last = first + shape
+        before = np.where((corner < first) | (shape == 0), first - corner + margin, 0)
+        after = np.where((end > last) | (shape == 0), end - last + margin, 0)
+        if (size := shape + before + after).prod() > LARGEST:
+            log.warning("dropped a scan: the map would have %d x %d cells", *size)
+            return False
+        if before.any() or after.any():
+            self._odds, self._first = np.pad(self._odds, np.stack([before, after], axis=1)), first - before
+        return True
+
+    def _cells(self, points: Floats) -> Cells:
+        """(2, points) row and column, from the map's origin, of the cell at each x, y [m]; the farthest are clipped."""
+        return np.clip(np.floor(points[::-1] / self._resolution), -LARGEST, LARGEST).astype(np.int64)
 
 
 def _on_the_way(seen: Beams, origin: Pose, near: float, step: float) -> Floats:
-    """(2, points) x, y [m] on the map every `step` [m] along each beam, as far as it tells the ground to be free."""
+    """(2, points) x, y [m] on the map every `step` [m] along each beam, as far as it reports the ground to be free."""
     distances = np.arange(near, seen.free.max(initial=0.0), step)
     points = np.stack(
         [

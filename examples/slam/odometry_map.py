@@ -9,7 +9,7 @@ from examples.slam.wire import Map, Scan
 
 
 class OdometryMapper:
-    """Draws every scan where odometry says that it was taken."""
+    """Draws every scan where odometry has it that it was taken."""
 
     def __init__(self, settings: Settings) -> None:
         self._reach = settings.reach

@@ -2,9 +2,11 @@
 
 import logging
 import math
+import signal
 import sys
 import time
 from collections.abc import Callable
+from types import FrameType
 from typing import Protocol
 
 import zenoh
@@ -12,7 +14,6 @@ import zenoh
 from examples.slam import map_files
 from examples.slam import settings as command_line
 from examples.slam.follow import Follower, Sighting
-from examples.slam.life import Pace, Stop
 from examples.slam.network import Network
 from examples.slam.pose import Pose
 from examples.slam.settings import Settings
@@ -35,15 +36,43 @@ class Mapper(Protocol):
         """The map so far."""
 
 
+class Stop:
+    """Asked for by SIGTERM and Ctrl-C."""
+
+    def __init__(self) -> None:
+        self.asked = False
+        for number in (signal.SIGTERM, signal.SIGINT):
+            signal.signal(number, self._on_signal)
+
+    def _on_signal(self, number: int, frame: FrameType | None) -> None:  # noqa: ARG002
+        self.asked = True
+
+
+class Pace:
+    """Says when something that has to be done may be done, at most once in so many seconds."""
+
+    def __init__(self, period: float) -> None:
+        self._period = period
+        self._next = time.monotonic()
+
+    def due(self) -> bool:
+        """Whether it may be done now; if so, the next time is a period from now."""
+        now = time.monotonic()
+        if now < self._next:
+            return False
+        self._next = now + self._period
+        return True
+
+
 class Plugin:
-    """Works off scans; knows what of the map was not yet said and not yet saved."""
+    """Works off scans; knows what of the map was not yet published and not yet saved."""
 
     def __init__(self, settings: Settings, mapper: Mapper, network: Network) -> None:
         self._settings = settings
         self._mapper, self._network = mapper, network
-        self._saying, self._saving = Pace(MAP_PERIOD), Pace(settings.every or math.inf)
+        self._publishing, self._saving = Pace(MAP_PERIOD), Pace(settings.every or math.inf)
         self._saving.due()  # not at once
-        self._newest = self._said = self._saved = 0  # [ns] stamp of the newest scan on the map, when said, when saved
+        self._newest = self._published = self._saved = 0  # [ns] stamp of the newest scan, when published, when saved
 
     def take(self, sighting: Sighting) -> None:
         """Map a scan and publish where the robot is."""
@@ -56,11 +85,11 @@ class Plugin:
 
     def publish(self) -> None:
         """Publish the map and save it, where there is something new on it and it is time."""
-        if self._newest != self._said and self._saying.due():
+        if self._newest != self._published and self._publishing.due():
             grid = self._mapper.map()
             if grid.cells.size:
                 self._network.publish_map(grid, self._newest)
-            self._said = self._newest
+            self._published = self._newest
         if self._newest != self._saved and self._saving.due():
             self.save()
 
@@ -74,7 +103,7 @@ class Plugin:
 
 
 def main(program: str, text: str | None, make: Callable[[Settings], Mapper]) -> None:
-    """Run a plug-in from the command line until SIGTERM or Ctrl-C; what prevents it is told in one line."""
+    """Run a plug-in from the command line until SIGTERM or Ctrl-C; what prevents it is reported in one line."""
     settings = command_line.read(program, text)
     logging.basicConfig(level=logging.INFO, format=f"%(asctime)s %(levelname)s {program}: %(message)s")
     try:
@@ -103,14 +132,14 @@ def _run(settings: Settings, mapper: Mapper, stop: Stop) -> None:
 
 
 def _connect(settings: Settings, stop: Stop) -> Network | None:
-    """The network, as soon as a router answers; None where the process was told to end before that."""
-    told = False
+    """The network, as soon as a router answers; None where the process was asked to end before that."""
+    logged = False
     while not stop.asked:
         try:
             return Network(settings)
         except zenoh.ZError as error:
-            if not told:
+            if not logged:
                 log.info("waiting for a router: %s", str(error).split(" at /")[0])
-                told = True
+                logged = True
             time.sleep(RETRY)
     return None

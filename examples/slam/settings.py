@@ -1,4 +1,4 @@
-"""What a plug-in is told on its command line."""
+"""What a plug-in is given on its command line."""
 
 import argparse
 import math
@@ -54,7 +54,7 @@ def _parser(program: str, text: str | None) -> argparse.ArgumentParser:
     add("--listen", action="append", default=[], metavar="ENDPOINT", help="as tcp/0.0.0.0:7448; repeatable")
     add("--mode", choices=("peer", "client", "router"), help="Zenoh mode (peer)")
     add("--scan", default="scan/fused", metavar="PATH", help="the scan to map (%(default)s)")
-    add("--name", type=_name, help="say map/NAME and pose/NAME, beside other plug-ins of one robot")
+    add("--name", type=_name, help="publish map/NAME and pose/NAME, beside other plug-ins of one robot")
     place = ("X", "Y", "DEGREES")
     add("--origin", nargs=3, type=_number, metavar=place, help="of the scan on the robot (the described camera's)")
     add("--reach", default=4.0, type=_length, metavar="M", help="farthest that a scan is believed (%(default)s)")

@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass
+from typing import TypeGuard
 
 import msgpack
 import numpy as np
@@ -12,7 +13,7 @@ from examples.slam.pose import Pose
 FLOAT32, INT8 = np.dtype("<f4"), np.dtype("<i1")
 Floats = NDArray[np.float32]
 PLACE = ("x", "y", "yaw")
-NOT_TOLD = np.empty(0, np.float32)
+ABSENT = np.empty(0, np.float32)
 
 
 class WireError(ValueError):
@@ -78,7 +79,7 @@ def read_scan(payload: bytes) -> Scan:
         range_max=_number(fields, "range_max"),
         ranges=_floats(fields, "ranges"),
         evidence=_floats(fields, "intensities"),
-        clear=_floats(fields, "clear") if "clear" in fields else NOT_TOLD,
+        clear=_floats(fields, "clear") if "clear" in fields else ABSENT,
     )
     beams = len(scan.ranges)
     if not beams or len(scan.evidence) not in (0, beams) or len(scan.clear) not in (0, beams):
@@ -148,13 +149,13 @@ def _stamp(fields: dict[str, object]) -> int:
     return stamp
 
 
-def _is_number(value: object) -> bool:
+def _is_number(value: object) -> TypeGuard[float]:
     return isinstance(value, int | float) and math.isfinite(value)
 
 
 def _number(fields: dict[str, object], name: str) -> float:
     value = fields.get(name)
-    if not isinstance(value, int | float) or not math.isfinite(value):
+    if not _is_number(value):
         raise WireError(f"{name}: expected a number")
     return float(value)
 

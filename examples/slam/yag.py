@@ -1,4 +1,4 @@
-"""A map by yag-slam: scans are matched, loops are closed, and odometry only says where to begin."""
+"""A map by yag-slam: scans are matched, loops are closed, and odometry only shows where to begin."""
 
 from typing import Any, NamedTuple
 

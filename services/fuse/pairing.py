@@ -34,7 +34,7 @@ class Pairing:
         return Pair(**sides)
 
     def drop_late(self, now: float) -> list[str]:
-        """Give up frames that waited too long, or are too many; tells of each which side came."""
+        """Give up frames that waited too long, or are too many; which side of each came."""
         late = [stamp for stamp, (since, _) in self._waiting.items() if now - since >= self._timeout]
         late += [stamp for stamp in list(self._waiting)[:-ROOM] if stamp not in late]
         return [f"stamp {stamp}: only {', '.join(self._waiting.pop(stamp)[1])} came" for stamp in late]

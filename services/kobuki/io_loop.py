@@ -10,7 +10,6 @@ import time
 from cliffscan.common.contract import topics
 from cliffscan.common.contract.base_messages import Velocity
 from cliffscan.common.contract.description import BodyDescription, RobotDescription
-from cliffscan.common.contract.message import MessageError
 from cliffscan.common.contract.messages import LaserScan
 from cliffscan.common.runtime.service import Service
 from cliffscan.services.kobuki.command_handlers import Answer, CommandHandler, done, unknown_command
@@ -48,7 +47,7 @@ class IoLoop:
         bus = self._service.bus
         self._service.receive(topics.VELOCITY, self._on_command)
         self._service.receive(topics.SCAN_FUSED, self._on_scan)
-        bus.receive_latched(topics.DESCRIPTION.path, self._on_description)
+        self._service.receive_latched(topics.DESCRIPTION, self._on_description)
         bus.answer(topics.command("stop"), CommandHandler(self._jobs.put_urgent, self._stop))
         requests = self._controller.requests()
         bus.answer(topics.command("clear_safety"), CommandHandler(self._jobs.put_urgent, requests["clear_safety"]))
@@ -134,12 +133,8 @@ class IoLoop:
     def _on_scan(self, scan: LaserScan) -> None:
         self._jobs.put_newest("scan", lambda: self._controller.scan(scan, time.time_ns(), time.monotonic()))
 
-    def _on_description(self, path: str, payload: bytes) -> None:
-        try:
-            camera = RobotDescription.decode(payload).camera
-        except MessageError as error:
-            self._service.metrics.warn_limited("malformed", f"{path}: {error}")
-            return
+    def _on_description(self, description: RobotDescription) -> None:
+        camera = description.camera
         if camera:
             self._jobs.put_newest("camera", lambda: self._controller.describe(camera))
 

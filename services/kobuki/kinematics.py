@@ -32,6 +32,6 @@ def speed_and_radius(linear: float, angular: float) -> tuple[int, int]:
 
 
 def _int16(number: float) -> int:
-    """The nearest number towards zero that 16 bits can say."""
+    """The nearest number towards zero that 16 bits hold."""
     low, high = INT16
     return int(min(max(number, low), high))

@@ -1,6 +1,6 @@
 """Where the Kobuki is, by its wheels and its gyro, and how sure of it one can be.
 
-The errors are those of a random walk with independent steps. A step of length d and turn t, in s seconds, has
+The errors are those of a random walk with independent increments. One of length d and turn t, in s seconds, has
 
 - a length of variance 1e-4 m · |d|: 1 cm after 1 m;
 - by the gyro, a turn of variance 1e-4 rad · |t| + 1e-6 rad²/s · s: 1.4° after a full turn, 3.4° after an hour's drift;
@@ -20,9 +20,9 @@ from cliffscan.services.kobuki.odometry_increment import (
     ClockLead,
     Contradiction,
     Discontinuity,
+    OdometryIncrement,
     Reading,
-    Step,
-    step_between,
+    increment_between,
 )
 from cliffscan.services.kobuki.protocol.packets import CENTIDEGREE
 from cliffscan.services.kobuki.protocol.sensors import Core, Inertia
@@ -50,7 +50,7 @@ class Estimate(NamedTuple):
     """
 
     pose: tuple[float, float, float]  # x, y [m], theta [rad] in -π ... π
-    twist: tuple[float, float]  # linear [m/s], angular [rad/s]; mean of the last step
+    twist: tuple[float, float]  # linear [m/s], angular [rad/s]; mean of the last increment
     pose_covariance: Covariance
     twist_covariance: Covariance
     new_baseline: str | None = None  # why this packet's motion is not known, else None
@@ -58,7 +58,7 @@ class Estimate(NamedTuple):
 
 
 class Odometry:
-    """Adds up the steps from packet to packet.
+    """Adds up the increments from packet to packet.
 
     A packet that does not go on from its predecessor becomes the new baseline: the pose stays where it was, less sure,
     and the twist is taken for zero, not sure at all.
@@ -79,16 +79,16 @@ class Odometry:
         """The estimate after a packet that came at `now` [s] of a steady clock."""
         after = Reading.of(core, inertia, now)
         try:
-            step = self._step_to(after)
+            increment = self._increment_to(after)
         except Discontinuity as gap:
             silence = 0.0 if self._before is None else now - self._before.now
-            self._last = _without_step(self._last, silence, gap)
+            self._last = _without_increment(self._last, silence, gap)
             if not self._last.contradiction:
                 self._lead.interrupted()
         else:
-            if step is None:
+            if increment is None:
                 return self._last._replace(new_baseline=None, contradiction=False)
-            self._last = _with_step(self._last, step)
+            self._last = _with_increment(self._last, increment)
         self._before = after
         return self._last
 
@@ -100,17 +100,17 @@ class Odometry:
         """Here is the origin, and ahead is its x axis; the motion goes on."""
         self._last = self._last._replace(pose=(0.0, 0.0, 0.0), pose_covariance=Covariance())
 
-    def _step_to(self, after: Reading) -> Step | None:
+    def _increment_to(self, after: Reading) -> OdometryIncrement | None:
         interruption, self._interruption = self._interruption, None
         if interruption or self._before is None:
             raise Discontinuity(interruption or "first packet")
-        step = step_between(self._before, after)
-        if step:
-            self._lead.passed(step.seconds, after.now - self._before.now)
-        return step
+        increment = increment_between(self._before, after)
+        if increment:
+            self._lead.passed(increment.seconds, after.now - self._before.now)
+        return increment
 
 
-def _without_step(last: Estimate, silence: float, why: Discontinuity) -> Estimate:
+def _without_increment(last: Estimate, silence: float, why: Discontinuity) -> Estimate:
     """The same place, after `silence` [s] in which the base may have moved."""
     unseen = min(max(silence, 0.0), LONGEST_UNSEEN)
     spread = Covariance.of_deviations(UNSEEN_SPEED * unseen, UNSEEN_SPEED * unseen, UNSEEN_TURN * unseen)
@@ -118,28 +118,28 @@ def _without_step(last: Estimate, silence: float, why: Discontinuity) -> Estimat
     return Estimate(last.pose, (0.0, 0.0), covariance, UNKNOWN_TWIST, str(why), isinstance(why, Contradiction))
 
 
-def _with_step(last: Estimate, step: Step) -> Estimate:
-    """The pose after a step along an arc, taken as its chord in the direction of the arc's middle."""
+def _with_increment(last: Estimate, increment: OdometryIncrement) -> Estimate:
+    """The pose after an increment along an arc, taken as its chord in the direction of the arc's middle."""
     x, y, theta = last.pose
-    cos, sin = math.cos(theta + step.turn / 2.0), math.sin(theta + step.turn / 2.0)
-    dx, dy = step.distance * cos, step.distance * sin
-    pose = (x + dx, y + dy, math.remainder(theta + step.turn, math.tau))
-    covariance = last.pose_covariance.moved(dx, dy).plus(_step_covariance(step, cos, sin))
-    twist = (step.distance / step.seconds, step.turn / step.seconds)
-    return Estimate(pose, twist, covariance, _twist_covariance(step))
+    cos, sin = math.cos(theta + increment.turn / 2.0), math.sin(theta + increment.turn / 2.0)
+    dx, dy = increment.distance * cos, increment.distance * sin
+    pose = (x + dx, y + dy, math.remainder(theta + increment.turn, math.tau))
+    covariance = last.pose_covariance.moved(dx, dy).plus(_increment_covariance(increment, cos, sin))
+    twist = (increment.distance / increment.seconds, increment.turn / increment.seconds)
+    return Estimate(pose, twist, covariance, _twist_covariance(increment))
 
 
-def _step_covariance(step: Step, cos: float, sin: float) -> Covariance:
-    """What a step in the direction (cos, sin) adds to the pose's: J·diag(of its length, of its turn)·Jᵀ.
+def _increment_covariance(increment: OdometryIncrement, cos: float, sin: float) -> Covariance:
+    """What an increment in the direction (cos, sin) adds to the pose's: J·diag(of its length, of its turn)·Jᵀ.
 
     J = [[cos, -d/2·sin], [sin, d/2·cos], [0, 1]] for a length d: half of the turn's error shows in its direction.
     """
-    length, turned = abs(step.distance), abs(step.turn)
+    length, turned = abs(increment.distance), abs(increment.turn)
     along = LENGTH_BY_LENGTH * length
-    by_gyro = GYRO_BY_TURN * turned + GYRO_BY_TIME * step.seconds
+    by_gyro = GYRO_BY_TURN * turned + GYRO_BY_TIME * increment.seconds
     by_wheels = WHEELS_BY_TURN * turned + WHEELS_BY_LENGTH * length
-    turning = by_gyro if step.by_gyro else by_wheels
-    across_x, across_y = -step.distance / 2.0 * sin, step.distance / 2.0 * cos
+    turning = by_gyro if increment.by_gyro else by_wheels
+    across_x, across_y = -increment.distance / 2.0 * sin, increment.distance / 2.0 * cos
     return Covariance(
         along * cos * cos + turning * across_x * across_x,
         along * cos * sin + turning * across_x * across_y,
@@ -150,10 +150,16 @@ def _step_covariance(step: Step, cos: float, sin: float) -> Covariance:
     )
 
 
-def _twist_covariance(step: Step) -> Covariance:
-    """The rounding of the two readings that a step lies between, and an error proportional to the velocity."""
-    tick = METRES_PER_TICK / math.sqrt(6.0) / step.seconds  # [m/s] by which one wheel's speed is rounded
-    speed = math.hypot(tick / math.sqrt(2.0), SPEED_ERROR * step.distance / step.seconds)
-    rounding = CENTIDEGREE / math.sqrt(6.0) / step.seconds if step.by_gyro else math.sqrt(2.0) * tick / WHEEL_SEPARATION
-    turning = math.hypot(rounding, (GYRO_ERROR if step.by_gyro else WHEELS_ERROR) * step.turn / step.seconds)
+def _twist_covariance(increment: OdometryIncrement) -> Covariance:
+    """The rounding of the two readings that an increment lies between, and an error proportional to the velocity."""
+    tick = METRES_PER_TICK / math.sqrt(6.0) / increment.seconds  # [m/s] by which one wheel's speed is rounded
+    speed = math.hypot(tick / math.sqrt(2.0), SPEED_ERROR * increment.distance / increment.seconds)
+    rounding = (
+        CENTIDEGREE / math.sqrt(6.0) / increment.seconds
+        if increment.by_gyro
+        else math.sqrt(2.0) * tick / WHEEL_SEPARATION
+    )
+    turning = math.hypot(
+        rounding, (GYRO_ERROR if increment.by_gyro else WHEELS_ERROR) * increment.turn / increment.seconds
+    )
     return Covariance.of_deviations(speed, SIDEWAYS, turning)

@@ -1,4 +1,4 @@
-"""What the wheels and the gyro did between two packets, or why that cannot be told."""
+"""What the wheels and the gyro did between two packets, or why that is not known."""
 
 import math
 from typing import NamedTuple, Self
@@ -6,7 +6,7 @@ from typing import NamedTuple, Self
 from cliffscan.services.kobuki.kinematics import METRES_PER_TICK, WHEEL_SEPARATION
 from cliffscan.services.kobuki.protocol.sensors import Core, Inertia
 
-LONGEST_STEP = 0.5  # [s] of the base's clock; the path driven in more is anybody's guess
+LONGEST_INCREMENT = 0.5  # [s] of the base's clock; the path driven in more is anybody's guess
 LONGEST_SILENCE = 1.0  # [s] of our clock; in more, packets were lost: 4 KiB of them fill the port's buffer
 FASTEST_WHEEL = 1.5  # [m/s], twice what the base can do
 FASTEST_TURN = 5.0  # [rad/s], more than the gyro can measure
@@ -67,7 +67,7 @@ class Reading(NamedTuple):
         return cls(core.timestamp, core.left_encoder, core.right_encoder, angle, now)
 
 
-class Step(NamedTuple):
+class OdometryIncrement(NamedTuple):
     """A motion along an arc."""
 
     distance: float  # [m], negative backwards
@@ -76,7 +76,7 @@ class Step(NamedTuple):
     by_gyro: bool  # whether the turn is the gyro's, else the wheels'
 
 
-def step_between(before: Reading, after: Reading) -> Step | None:
+def increment_between(before: Reading, after: Reading) -> OdometryIncrement | None:
     """The motion from one reading to the next; None where the base's clock stands still, so that nothing is new.
 
     The turn is the gyro's where both readings have it. Raises Discontinuity where time or motion leap: after lost
@@ -86,7 +86,7 @@ def step_between(before: Reading, after: Reading) -> Step | None:
     if not 0.0 <= silence <= LONGEST_SILENCE:
         raise Discontinuity(f"{silence:.2f} s between two packets")
     seconds = ((after.timestamp - before.timestamp) & 0xFFFF) / 1000.0
-    if seconds > LONGEST_STEP:
+    if seconds > LONGEST_INCREMENT:
         raise Discontinuity(f"the base's clock went from {before.timestamp} to {after.timestamp} ms")
     if seconds == 0.0:
         return None
@@ -95,11 +95,11 @@ def step_between(before: Reading, after: Reading) -> Step | None:
         raise Contradiction(f"the wheels leapt by {left:.2f} and {right:.2f} m in {seconds:.3f} s")
     gyro = _gyro_turn(before, after, seconds)
     turn = (right - left) / WHEEL_SEPARATION if gyro is None else gyro
-    return Step((left + right) / 2.0, turn, seconds, gyro is not None)
+    return OdometryIncrement((left + right) / 2.0, turn, seconds, gyro is not None)
 
 
 def _metres(before: int, after: int) -> float:
-    """How far a wheel went: the encoder counts 16 bits, and half of them are farther than it gets in a step."""
+    """How far a wheel went: the encoder counts 16 bits, and half of them are farther than it gets in an increment."""
     ticks = (after - before + 0x8000 & 0xFFFF) - 0x8000
     return ticks * METRES_PER_TICK
 

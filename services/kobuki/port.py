@@ -100,7 +100,7 @@ class Port:
         return os.major(os.fstat(self.fileno()).st_rdev) in PSEUDO_TERMINALS
 
     def beat(self) -> None:
-        """Tell the guard that all is well; to be called more often than it is patient."""
+        """Show the guard that all is well; to be called more often than it is patient."""
         try:
             os.write(self._heart, b".")
         except BlockingIOError:
@@ -109,7 +109,7 @@ class Port:
             raise PortLost(f"{self._path}: the guard of the port has died") from error
 
     def close(self) -> None:
-        """Have the guard say the last word, and let go of the port."""
+        """Have the guard send the last stops, and let go of the port."""
         os.close(self._heart)
         try:
             self._guard.wait(GUARD_PATIENCE)
@@ -119,7 +119,7 @@ class Port:
         self._serial.close()
 
     def _waiting(self) -> int:
-        """How many bytes the line has not carried yet, where the device tells."""
+        """How many bytes the line has not carried yet, where the device reports it."""
         try:
             return int.from_bytes(fcntl.ioctl(self.fileno(), termios.TIOCOUTQ, bytes(4)), sys.byteorder)
         except OSError as error:

@@ -9,7 +9,7 @@ from cliffscan.common.runtime import options
 from cliffscan.common.runtime.bus import Bus
 from cliffscan.common.runtime.config import ServiceConfig
 from cliffscan.common.runtime.service import StopSignal, execute, on_bus, reporting
-from cliffscan.services.perception.config import load
+from cliffscan.services.perception.configs import load
 from cliffscan.services.perception.fleet import Fleet
 
 

@@ -15,6 +15,7 @@ from cliffscan.services.fuse.fuser import ROOM, Fuser
 from cliffscan.services.fuse.pairing import Pair
 from cliffscan.services.negative.publishers import ScanPublishers
 from cliffscan.services.perception.perceive import Settings, sense
+from cliffscan.services.positive.robot_height import RobotHeight
 
 NAME = "perception"
 
@@ -31,11 +32,11 @@ class RobotPerception:
 
         self._services = {name: service(name, config) for name, config in configs.items()}
         self._services[NAME] = service(NAME, ServiceConfig())
-        self._settings = Settings(configs["negative"], configs["positive"])
         whole, negative, positive, fuse = (self._services[name] for name in (NAME, "negative", "positive", "fuse"))
         self._path = topics.DEPTH.key(robot)
         self._decoder = Decoder(DepthImage, whole.metrics, negative.metrics, positive.metrics)
         self._negative = ScanPublishers(negative)
+        self._height = RobotHeight(positive)
         self._positive = positive.publisher(topics.SCAN_POSITIVE)
         self._fuser = Fuser(fuse)
         for name, source in fuse.config.inputs.items():
@@ -50,8 +51,8 @@ class RobotPerception:
             self._answer(image)
 
     def _answer(self, image: DepthImage) -> None:
-        methods = self._negative.subscribed()
-        positive, negative = sense(image, self._settings._replace(methods=methods))
+        settings = Settings(self._services["negative"].config, self._height.config, self._negative.subscribed())
+        positive, negative = sense(image, settings)
         self._positive.put(positive)
         self._services["positive"].metrics.output(image.stamp)
         self._negative.publish(negative)

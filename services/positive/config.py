@@ -18,7 +18,8 @@ class PositiveConfig(ImageScanConfig):
     flat_floor: bool = False
     """Whether the floor is taken to be flat, as in the paper: no ramp is floor."""
     robot_height: Annotated[float, Field(gt=0)] = 0.42
-    """Height [m] of the robot, a TurtleBot 2's by default; it passes under what is higher."""
+    """Height [m] of the robot; it passes under what is higher. Where it is not set, the height that the base describes
+    counts, and a TurtleBot 2's until one does."""
 
     @model_validator(mode="after")
     def _above_floor(self) -> Self:

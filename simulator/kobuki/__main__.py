@@ -7,13 +7,12 @@ import threading
 from pathlib import Path
 
 from cliffscan.simulator.kobuki.base import Base
-from cliffscan.simulator.kobuki.cable import Cable, CableError
+from cliffscan.simulator.kobuki.cable import PathError
 from cliffscan.simulator.kobuki.drive import RampedWheels, WheelModel
 from cliffscan.simulator.kobuki.firmware import DEAD_TIME, Firmware
 from cliffscan.simulator.kobuki.kinematics import Wheels
 from cliffscan.simulator.kobuki.line import Line
 from cliffscan.simulator.kobuki.runner import Runner, run
-from cliffscan.simulator.kobuki.server import ControlServer, ServerError
 from cliffscan.simulator.kobuki.versions import Identity, Version
 
 USAGE_ERROR = 2
@@ -48,18 +47,6 @@ def make_base(arguments: argparse.Namespace) -> Base:
     return Base(firmware, Line(arguments.seed))
 
 
-def open_runner(base: Base, arguments: argparse.Namespace) -> Runner:
-    """The base on its port. Raises CableError or ServerError where a path cannot be used."""
-    # before the port, which another base may have at the same place
-    server = ControlServer(arguments.control) if arguments.control else None
-    try:
-        return Runner(base, Cable(arguments.link), server)
-    except CableError:
-        if server:
-            server.close()
-        raise
-
-
 def stop_signal() -> threading.Event:
     """Set by SIGTERM and Ctrl-C."""
     stop = threading.Event()
@@ -79,11 +66,10 @@ def main() -> None:
     except ValueError as error:
         parser.exit(USAGE_ERROR, f"base: {error}\n")
     try:
-        with open_runner(base, arguments) as runner:
-            where = f", control at {arguments.control}" if arguments.control else ""
-            log.info("ready: %s is %s%s", arguments.link, runner.cable.device, where)
+        with Runner.open(base, arguments.link, arguments.control) as runner:
+            log.info("ready: %s", runner.place)
             run(runner, stop)
-    except (CableError, ServerError) as error:
+    except PathError as error:
         parser.exit(USAGE_ERROR, f"base: {error}\n")
     log.info("ended after %d packets", base.firmware.packets)
 

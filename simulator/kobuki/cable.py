@@ -10,8 +10,8 @@ from pathlib import Path
 READ_SIZE = 4096  # [bytes]
 
 
-class CableError(Exception):
-    """A link that cannot be made."""
+class PathError(Exception):
+    """A path at which no port, or no socket, can be made."""
 
 
 class Cable:
@@ -19,7 +19,7 @@ class Cable:
 
     What is said while no driver has the port open is lost, as on a real one: nobody ever reads old bytes.
 
-    Raises CableError where the link cannot be made, or would replace something that is no link.
+    Raises PathError where the link cannot be made, or would replace something that is no link.
     """
 
     def __init__(self, link: Path) -> None:
@@ -47,7 +47,7 @@ class Cable:
         os.set_blocking(self._master, False)
         try:
             self._make_link()
-        except CableError:
+        except PathError:
             self.unplug()
             raise
 
@@ -100,11 +100,11 @@ class Cable:
         fresh = self.link.with_name(f".{self.link.name}.{os.getpid()}")
         try:
             if self.link.exists() and not self.link.is_symlink():
-                raise CableError(f"{self.link} is there and is no link; choose another path")
+                raise PathError(f"{self.link} is there and is no link; choose another path")
             fresh.symlink_to(self.device)
             fresh.replace(self.link)
         except OSError as error:
-            raise CableError(f"cannot link {self.link}: {error.strerror}") from error
+            raise PathError(f"cannot link {self.link}: {error.strerror}") from error
 
     def _remove_link(self) -> None:
         if self.link.is_symlink() and str(self.link.readlink()) == self.device:

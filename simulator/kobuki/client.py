@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from cliffscan.simulator.kobuki.control import ControlError
+from cliffscan.simulator.unix_socket import connect_to
 
 PATIENCE = 10.0  # [s]
 
@@ -39,7 +40,10 @@ class Remote:
 
     def tell(self, line: str) -> str:
         """Give one command; the answer. Raises ControlError where the base refuses it."""
-        with self._connect() as connection, connection.makefile("r", encoding="utf-8") as answers:
+        with (
+            connect_to(self._path, self._patience) as connection,
+            connection.makefile("r", encoding="utf-8") as answers,
+        ):
             return _ask(connection, answers.readline, line)
 
     def state(self) -> dict[str, Any]:
@@ -49,17 +53,7 @@ class Remote:
 
     def watch(self) -> Watch:
         """Everything the driver does from now on."""
-        return Watch(self._connect())
-
-    def _connect(self) -> socket.socket:
-        connection = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
-        connection.settimeout(self._patience)
-        try:
-            connection.connect(str(self._path))
-        except OSError:
-            connection.close()
-            raise
-        return connection
+        return Watch(connect_to(self._path, self._patience))
 
 
 def _ask(connection: socket.socket, readline: Any, line: str) -> str:  # noqa: ANN401

@@ -3,9 +3,10 @@
 import json
 import math
 from collections.abc import Callable
+from dataclasses import replace
 
 from cliffscan.simulator.kobuki.base import Base
-from cliffscan.simulator.kobuki.drive import RampedWheels, WheelModel
+from cliffscan.simulator.kobuki.drive import RampedWheels
 from cliffscan.simulator.kobuki.kinematics import Wheels
 from cliffscan.simulator.kobuki.report import report
 from cliffscan.simulator.kobuki.sensors import CHARGER
@@ -85,9 +86,8 @@ def slip(base: Base, words: list[str]) -> None:
     wheels = base.firmware.drive
     if not isinstance(wheels, RampedWheels):
         raise ControlError("these wheels slip as their own world has them")
-    noise = float(words[2]) if len(words) > 2 else wheels.model.noise
-    model = wheels.model
-    wheels.model = WheelModel(model.acceleration, model.deceleration, Wheels(float(words[0]), float(words[1])), noise)
+    left, right, *noise = map(float, words)
+    wheels.model = replace(wheels.model, slip=Wheels(left, right), noise=noise[0] if noise else wheels.model.noise)
 
 
 def encoders(base: Base, words: list[str]) -> None:
@@ -101,44 +101,22 @@ def clock(base: Base, words: list[str]) -> None:
     base.firmware.clock_stands = not ON[words[0]]
 
 
-def battery(base: Base, words: list[str]) -> None:
-    """Set the battery's voltage."""
-    base.firmware.sensors.battery = float(words[0])
+def reading(sensor: str, read: Callable[[str], object]) -> Handler:
+    """A handler that sets what a sensor reads; where there are several, of the one that is named first."""
 
+    def handler(base: Base, words: list[str]) -> None:
+        *which, value = words
+        if which:
+            getattr(base.firmware.sensors, sensor)[which[0]] = read(value)
+        else:
+            setattr(base.firmware.sensors, sensor, read(value))
 
-def charger(base: Base, words: list[str]) -> None:
-    """Set the charger's state."""
-    base.firmware.sensors.charger = CHARGER[words[0]]
-
-
-def current(base: Base, words: list[str]) -> None:
-    """Set a motor's current."""
-    base.firmware.sensors.current[words[0]] = float(words[1])
-
-
-def cliff_adc(base: Base, words: list[str]) -> None:
-    """Set a cliff sensor's raw reading."""
-    base.firmware.sensors.cliff_adc[words[0]] = whole(words[1])
-
-
-def dock_ir(base: Base, words: list[str]) -> None:
-    """Set which beams of the docking station a receiver sees."""
-    base.firmware.sensors.dock_ir[words[0]] = whole(words[1])
-
-
-def digital_input(base: Base, words: list[str]) -> None:
-    """Set all digital inputs."""
-    base.firmware.sensors.digital_input = whole(words[0]) & 0xFFFF
+    return handler
 
 
 def analog_input(base: Base, words: list[str]) -> None:
     """Set one analog input."""
     base.firmware.sensors.analog_input[int(words[0])] = whole(words[1])
-
-
-def power_cycle(base: Base, words: list[str]) -> None:
-    """Switch the base off and on."""
-    base.firmware.power_cycle(*map(float, words))
 
 
 COMMANDS: dict[str, tuple[str, Handler]] = {
@@ -147,12 +125,12 @@ COMMANDS: dict[str, tuple[str, Handler]] = {
     "wheel_drop": (f"{SIDES2} on|off", flag("wheel_drop")),
     "overcurrent": (f"{SIDES2} on|off", flag("overcurrent")),
     "button": ("0|1|2 press|release", flag("button")),
-    "battery": ("VOLTS", battery),
-    "charger": (CHARGERS, charger),
-    "current": (f"{SIDES2} AMPERES", current),
-    "cliff_adc": (f"{SIDES3} READING", cliff_adc),
-    "dock_ir": (f"{SIDES3} BEAMS", dock_ir),
-    "digital_input": ("BITS", digital_input),
+    "battery": ("VOLTS", reading("battery", float)),
+    "charger": (CHARGERS, reading("charger", CHARGER.get)),
+    "current": (f"{SIDES2} AMPERES", reading("current", float)),
+    "cliff_adc": (f"{SIDES3} READING", reading("cliff_adc", whole)),
+    "dock_ir": (f"{SIDES3} BEAMS", reading("dock_ir", whole)),
+    "digital_input": ("BITS", reading("digital_input", lambda word: whole(word) & 0xFFFF)),
     "analog_input": ("0|1|2|3 READING", analog_input),
     "slip": ("LEFT RIGHT [NOISE]", slip),
     "encoders": ("LEFT RIGHT", encoders),
@@ -160,7 +138,7 @@ COMMANDS: dict[str, tuple[str, Handler]] = {
     "slow": ("BYTES_A_SECOND", lambda base, words: base.line.slow(float(words[0]))),
     "repeat": ("on|off", lambda base, words: base.line.repeat(ON[words[0]])),
     "unplug": ("SECONDS", lambda base, words: base.unplug(float(words[0]))),
-    "power_cycle": ("[SECONDS]", power_cycle),
+    "power_cycle": ("[SECONDS]", lambda base, words: base.firmware.power_cycle(*map(float, words))),
     "firmware": ("VERSION", lambda base, words: base.firmware.flash(Version.parse(words[0]))),
     "skip": ("SECONDS", lambda base, words: base.firmware.skip(float(words[0]))),
     "pause": ("SECONDS", lambda base, words: base.line.pause(float(words[0]))),

@@ -86,6 +86,10 @@ class WheelModel:
         rate = self.deceleration if slowing else self.acceleration
         return speed + clamp(target - speed, rate * dt)
 
+    def error(self, way: float, rng: random.Random) -> float:
+        """By how much [m] a wheel's way over the floor differs by chance from that [m] of its rim."""
+        return self.noise * math.sqrt(abs(way)) * rng.gauss(0.0, 1.0) if self.noise else 0.0
+
 
 class RampedWheels:
     """Wheels on a flat floor that change speed at a limited rate and slip as their model says: a `Drive`."""
@@ -119,7 +123,7 @@ class RampedWheels:
 
     def _grip(self, way: float, slip: float) -> float:
         """How far a wheel gets over the floor [m] while its rim turns by a way [m]."""
-        return way * (1.0 - slip) + self.model.noise * math.sqrt(abs(way)) * self._random.gauss(0.0, 1.0)
+        return way * (1.0 - slip) + self.model.error(way, self._random)
 
     def _move(self, left: float, right: float, dt: float) -> None:
         turn = (right - left) / TRACK

@@ -4,13 +4,16 @@ import select
 import threading
 import time
 from collections.abc import Callable
+from pathlib import Path
 from typing import Self
 
 from cliffscan.simulator.kobuki import control
 from cliffscan.simulator.kobuki.base import Base
-from cliffscan.simulator.kobuki.cable import Cable
+from cliffscan.simulator.kobuki.cable import Cable, PathError
 from cliffscan.simulator.kobuki.report import Fields, fields
 from cliffscan.simulator.kobuki.server import ControlServer
+
+Execute = Callable[[str], str]
 
 LOOK = 0.02  # [s] after which to look, at the latest, whether a driver came
 
@@ -23,16 +26,23 @@ class Runner:
     """
 
     def __init__(
-        self,
-        base: Base,
-        cable: Cable,
-        server: ControlServer | None = None,
-        execute: Callable[[str], str] | None = None,
+        self, base: Base, cable: Cable, server: ControlServer | None = None, execute: Execute | None = None
     ) -> None:
         self.base = base
         self.cable = cable
         self.server = server
         self._execute = execute or (lambda line: control.execute(base, line))
+
+    @classmethod
+    def open(cls, base: Base, link: Path, control: Path | None, execute: Execute | None = None) -> Self:
+        """A base on a port, with a control socket where a path is given. Raises PathError."""
+        server = ControlServer(control) if control else None  # before the port, which another base may have at the link
+        try:
+            return cls(base, Cable(link), server, execute)
+        except PathError:
+            if server:
+                server.close()
+            raise
 
     def __enter__(self) -> Self:
         return self
@@ -52,6 +62,12 @@ class Runner:
         if self.server:
             self.server.serve(self._execute)
             self._plug()
+
+    @property
+    def place(self) -> str:
+        """Where it is found, in words."""
+        control = f", control at {self.server.path}" if self.server else ""
+        return f"{self.cable.link} is {self.cable.device}{control}"
 
     def wait(self, timeout: float) -> None:
         """Until somebody says something, but not beyond a timeout [s]."""

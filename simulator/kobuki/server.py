@@ -6,15 +6,13 @@ import socket
 from collections.abc import Callable
 from pathlib import Path
 
+from cliffscan.simulator.kobuki.cable import PathError
 from cliffscan.simulator.kobuki.control import ControlError
 from cliffscan.simulator.kobuki.report import Fields
+from cliffscan.simulator.unix_socket import listen_at
 
 LONGEST_LINE = 1000  # [bytes]
 READ_SIZE = 4096  # [bytes]
-
-
-class ServerError(Exception):
-    """A socket that cannot be made."""
 
 
 class Client:
@@ -49,12 +47,16 @@ class Client:
 
 
 class ControlServer:
-    """Listens at a path. Raises ServerError where it cannot, or where another process does already."""
+    """Listens at a path. Raises PathError where it cannot, or where another process does already."""
 
     def __init__(self, path: Path) -> None:
         self.path = path
         self._clients: list[Client] = []
-        self._listener = listen(path)
+        try:
+            self._listener = listen_at(path)
+        except OSError as error:
+            raise PathError(f"cannot listen at {path}: {error.strerror or error}") from error
+        self._listener.setblocking(False)
 
     def files(self) -> list[int]:
         """What to wait on."""
@@ -102,23 +104,3 @@ class ControlServer:
             if client.gone:
                 client.connection.close()
         self._clients = [client for client in self._clients if not client.gone]
-
-
-def listen(path: Path) -> socket.socket:
-    """A socket that listens at a path; one left behind by a process that died is replaced. Raises ServerError."""
-    listener = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
-    try:
-        if path.is_socket() and not _answers(path):
-            path.unlink()
-        listener.bind(str(path))
-    except OSError as error:
-        listener.close()
-        raise ServerError(f"cannot listen at {path}: {error.strerror or error}") from error
-    listener.listen()
-    listener.setblocking(False)
-    return listener
-
-
-def _answers(path: Path) -> bool:
-    with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as probe:
-        return probe.connect_ex(str(path)) == 0

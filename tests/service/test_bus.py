@@ -91,8 +91,13 @@ def test_a_flood_of_one_key_delays_no_other(client, bus):
 
 
 def test_a_dropped_request_ends_for_its_asker(client, bus):
-    let_go = threading.Event()
-    bus.answer("base/command/version", lambda _: let_go.wait(DEADLINE) and {"ok": True})
+    taken, let_go = threading.Event(), threading.Event()
+
+    def answer(_):
+        taken.set()
+        return let_go.wait(DEADLINE) and {"ok": True}
+
+    bus.answer("base/command/version", answer)
     bus.answer("up", lambda _: {"ok": True})
     wait_answered(client, "up")
     key, ends = f"{client.robot}/base/command/version", []
@@ -101,7 +106,9 @@ def test_a_dropped_request_ends_for_its_asker(client, bus):
         ends.append(len(list(client.session.get(key, timeout=DEADLINE))))
 
     askers = [threading.Thread(target=ask) for _ in range(12)]
-    for asker in askers:
+    askers[0].start()
+    assert taken.wait(DEADLINE)
+    for asker in askers[1:]:
         asker.start()
     wait_for(lambda: len(ends) == 12 - 9)  # one is being answered, eight wait
     assert ends == [0, 0, 0]

@@ -70,7 +70,7 @@ def test_status_shows_who_lives(client, start, place):
     assert empty.returncode == 1
     connected = f"connected to {client.endpoint}"
     assert (
-        empty.stderr == f"cliffscan: nothing of robot {client.robot} heard, {connected}; is `cliffscan up` running?\n"
+        empty.stderr == f"cliffscan: nothing of robot {client.robot} found, {connected}; is `cliffscan up` running?\n"
     )
     start("fuse")
     deadline = time.monotonic() + DEADLINE
@@ -79,7 +79,7 @@ def test_status_shows_who_lives(client, start, place):
     ):  # its token comes before its status
         assert time.monotonic() < deadline, shown.stdout
     assert shown.returncode == 0
-    assert "not heard: capture, kobuki, negative, positive" in shown.stdout
+    assert "not found: capture, kobuki, negative, positive" in shown.stdout
 
 
 def test_status_shows_what_is_malicious_and_goes_on(client, start, place):
@@ -95,11 +95,11 @@ def test_status_shows_what_is_malicious_and_goes_on(client, start, place):
     assert "evil: [/x]\\u001b[2J" in out
 
 
-def test_status_of_another_robot_names_those_that_are_heard(client, start, place):
+def test_status_of_another_robot_names_those_that_are_found(client, start, place):
     start("fuse")
     asked = ask("status", "--robot", "nobody", "--connect", client.endpoint)
     assert asked.returncode == 1
-    assert f"other robots heard: {client.robot} " in asked.stderr
+    assert f"other robots found: {client.robot} " in asked.stderr
 
 
 def test_list_names_live_keys_and_robots(client, start, place):

@@ -96,7 +96,7 @@ def driving(client, run, typist, velocities):
     """The program, when it shows what it has to show."""
     place = ["--robot", client.robot, "--connect", client.endpoint]
     process = run([sys.executable, "-c", LOG_IN, os.ttyname(typist.end), "drive", *place])
-    typist.wait_seen(b"nothing heard yet")
+    typist.wait_seen(b"nothing received yet")
     return process
 
 

@@ -7,7 +7,7 @@ import tomllib
 
 import pytest
 
-from cliffscan.common.runtime.config import SENSING, SERVICES, SHARED
+from cliffscan.common.runtime.config import CONFIGURED, SENSING, SHARED
 from cliffscan.services.capture.sources.kinds import KINDS
 from tests.service.conftest import free_endpoint
 
@@ -26,7 +26,7 @@ def needed(service):
     return SIMULATOR if service == "capture" else ()
 
 
-@pytest.mark.parametrize("service", SERVICES)
+@pytest.mark.parametrize("service", CONFIGURED)
 def test_dump_config_reads_back_to_itself(service, tmp_path):
     first = ask(service, "--dump-config")
     assert first.returncode == 0

@@ -1,4 +1,4 @@
-"""Tells a camera that repeats one picture, as a hung driver does, from one that sees: fresh stamps prove nothing."""
+"""Whether a camera repeats one picture, as a hung driver does: fresh stamps prove nothing."""
 
 import math
 import time
@@ -25,7 +25,7 @@ class FrozenWatch:
         self._since = math.inf  # when the repeats began
 
     def is_new(self, depth: NDArray[np.uint16]) -> bool:
-        """Whether a picture, (rows, columns) [mm], may be published; a repeated one is counted as `frozen` and told.
+        """Whether a picture, (rows, columns) [mm], may be published; a repeated one is counted as `frozen` and logged.
 
         A picture without any return always may: a covered lens or a wall nearer than the sensor measures gives the
         same one for as long as it lasts, it shows nobody free floor, and to open the device again would not help.

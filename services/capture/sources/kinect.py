@@ -52,7 +52,7 @@ class Kinect:
     the transfer, which takes nearly a frame period (33 ms).
 
     Raises SourceLost when the device cannot be opened. One that takes longer than PATIENCE is still opening when the
-    constructor returns; read() then tells how it went.
+    constructor returns; read() then reports how it went.
     """
 
     def __init__(self, camera: Camera, mode: Mode = "mm", index: int = 0) -> None:
@@ -61,7 +61,7 @@ class Kinect:
         self._newest: tuple[Pixels, int] | None = None
         self._opened = False
         self._lost = ""
-        self._heard = time.monotonic()
+        self._received_at = time.monotonic()
         self._closing = threading.Event()
         name = f"Kinect {index}"
         if any(thread.name == name for thread in threading.enumerate()):
@@ -81,10 +81,10 @@ class Kinect:
         is gone or has sent nothing for SILENCE.
         """
         with self._changed:
-            patience = min(timeout, self._heard + SILENCE - time.monotonic())
+            patience = min(timeout, self._received_at + SILENCE - time.monotonic())
             self._changed.wait_for(lambda: self._newest or self._lost, patience)
             newest, self._newest = self._newest, None
-            silence = time.monotonic() - self._heard
+            silence = time.monotonic() - self._received_at
         if newest:
             return self._frame(*newest)
         if self._lost:
@@ -111,7 +111,7 @@ class Kinect:
         try:
             with closing(DepthStream(self._mode, self._index, self._arrived)) as stream:
                 with self._changed:
-                    self._opened, self._heard = True, time.monotonic()
+                    self._opened, self._received_at = True, time.monotonic()
                     self._changed.notify_all()
                 while not self._closing.is_set():
                     stream.serve()
@@ -122,7 +122,7 @@ class Kinect:
 
     def _arrived(self, pixels: Pixels, stamp: int) -> None:
         with self._changed:
-            self._newest, self._heard = (pixels, stamp), time.monotonic()
+            self._newest, self._received_at = (pixels, stamp), time.monotonic()
             self._changed.notify_all()
 
 
@@ -222,7 +222,7 @@ class DepthStream:
         """Pass a line on, but not one that repeats the one before: a bad cable yields hundreds a second."""
         line = message.decode(errors="replace").strip()
         if level <= libfreenect.LOG_ERROR:
-            self._reason = self._reason or line  # the first error is the cause; libfreenect tells it nowhere else
+            self._reason = self._reason or line  # the first error is the cause; libfreenect reports it nowhere else
         if line != self._last_line:
             log.log(LEVELS.get(level, logging.DEBUG), "%s", line)
         self._last_line = line

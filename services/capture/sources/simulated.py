@@ -25,7 +25,7 @@ def open_configured(config: CaptureConfig) -> Source:
 class Simulated:
     """Looks into `world` from its start, `rate` [Hz] times a second. Raises ConfigError for an unknown world.
 
-    A frame that takes longer than its period is not made up for: the rate falls, and the service's status tells it.
+    A frame that takes longer than its period is not made up for: the rate falls, and the service's status shows it.
     """
 
     def __init__(self, world: str, floor: FloorPlane, rate: float, seed: int) -> None:

@@ -26,7 +26,7 @@ class Simulation:
     def __init__(self, address: str, floor: FloorPlane) -> None:
         self._address, self._floor = address, floor
         self._reader = FrameReader()
-        self._heard = time.monotonic()
+        self._received_at = time.monotonic()
         try:
             self._connection = wire.connect(address, CONNECTING)
         except WireError as error:
@@ -44,9 +44,9 @@ class Simulation:
             if not select.select([self._connection], [], [], left)[0]:
                 break
             if frames := self._receive():
-                self._heard = time.monotonic()
+                self._received_at = time.monotonic()
                 return self._frame(frames[-1])
-        if time.monotonic() - self._heard > SILENCE:
+        if time.monotonic() - self._received_at > SILENCE:
             raise SourceLost(f"the simulation at {self._address} is silent")
         return None
 

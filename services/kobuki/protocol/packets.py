@@ -30,7 +30,7 @@ from cliffscan.services.kobuki.protocol.sensors import (
     Udid,
     WheelDrop,
 )
-from cliffscan.services.kobuki.protocol.versions import OLD_FIRMWARE_CODES, OLD_HARDWARE_CODES, UNTOLD, Version
+from cliffscan.services.kobuki.protocol.versions import OLD_FIRMWARE_CODES, OLD_HARDWARE_CODES, UNREPORTED, Version
 
 CENTIDEGREE = math.radians(0.01)
 GYRO_DIGIT = math.radians(0.00875)  # [rad/s]
@@ -87,7 +87,7 @@ class Feedback(NamedTuple):
     cliff: CliffCounts | None = None
     current: MotorCurrent | None = None
     hardware: Version | None = None
-    firmware: Version | None = None  # UNTOLD for the packets of firmware before 1.0.0, which hold nothing else
+    firmware: Version | None = None  # UNREPORTED for the packets of firmware before 1.0.0, which hold nothing else
     gyro: Gyro | None = None
     gp_input: GpInput | None = None
     udid: Udid | None = None
@@ -98,7 +98,7 @@ class Feedback(NamedTuple):
 def decode(payload: bytes) -> Feedback:
     """All sub-payloads of `payload`; whatever it is, nothing is raised."""
     if _is_old(payload):
-        return Feedback(firmware=UNTOLD)
+        return Feedback(firmware=UNREPORTED)
     found: dict[str, Any] = {}
     skipped = []
     for ident, data, whole in _sub_payloads(payload):

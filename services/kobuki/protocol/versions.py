@@ -1,4 +1,4 @@
-"""Which Kobukis this software can drive, and what to tell the owners of others. Source: Kobuki protocol, driver."""
+"""Which Kobukis this software can drive, and what the owners of others should do. Source: Kobuki protocol, driver."""
 
 from typing import NamedTuple
 
@@ -14,7 +14,7 @@ class Version(NamedTuple):
         return f"{self.major}.{self.minor}.{self.patch}"
 
 
-UNTOLD = Version(0, 0, 0)  # firmware before 1.0.0 cannot be asked; its packets give it away
+UNREPORTED = Version(0, 0, 0)  # firmware before 1.0.0 cannot be asked; its packets give it away
 MAJOR = 1
 RECOMMENDED = (Version(1, 1, 4), Version(1, 2, 0))
 GAINS_SINCE = Version(1, 2, 0)
@@ -26,12 +26,12 @@ OLD_FIRMWARE_CODES = {
     111: Version(1, 1, 1),
     10100: Version(1, 1, 0),
     10101: Version(1, 1, 1),
-}  # of the first releases, which told their version in two bytes
+}  # of the first releases, which reported their version in two bytes
 OLD_HARDWARE_CODES = {104: Version(1, 0, 4)}
 
 
 def refusal(firmware: Version, hardware: Version | None) -> str | None:
-    """Why a base must not be driven, or None where it may be. hardware: None where it did not tell."""
+    """Why a base must not be driven, or None where it may be. hardware: None where it did not report it."""
     name = _name(firmware, hardware)
     if firmware.major < MAJOR:
         return f"{name} is older than 1.0.0 and cannot be driven: put firmware {RECOMMENDED[-1]} on the base, {HELP}"
@@ -58,5 +58,7 @@ def has_gains(firmware: Version) -> bool:
 
 
 def _name(firmware: Version, hardware: Version | None) -> str:
-    told = f"firmware {firmware}" if firmware != UNTOLD else "firmware that sends packets without sub-payload lengths"
-    return told if hardware is None else f"{told} (hardware {hardware})"
+    name = (
+        f"firmware {firmware}" if firmware != UNREPORTED else "firmware that sends packets without sub-payload lengths"
+    )
+    return name if hardware is None else f"{name} (hardware {hardware})"

@@ -7,7 +7,8 @@ from benchmarks.accuracy.cases import BUILD, Case, camera_of, some_cases
 from benchmarks.accuracy.frames import KNOWN, PLANES, SETTLING, UNKNOWN, WOBBLE_FRAMES, WOBBLING, frames_of
 from benchmarks.accuracy.measure import EVERY, measure
 from benchmarks.accuracy.report import report
-from benchmarks.accuracy.rows import worst, write_csv
+from benchmarks.accuracy.rows import worst
+from evaluation.tables import write_csv
 
 SCAN = "virtual_floor"
 CASES = some_cases(4, seed=3)
@@ -36,7 +37,7 @@ def test_report_and_records_name_every_case_and_scan(table, tmp_path):
     text = report(table)
     assert "## Camera level, plane known" in text
     assert all(f"| {scan} |" in text for scan in (SCAN, "paper"))
-    write_csv(table.rows, tmp_path / "cases.csv")
+    write_csv((row.record() for row in table.rows), tmp_path / "cases.csv")
     lines = (tmp_path / "cases.csv").read_text().splitlines()
     assert len(lines) == 1 + 2 * len(CASES)
     assert all(row.plane == KNOWN for row in worst(table.rows, "paper", KNOWN, 3))

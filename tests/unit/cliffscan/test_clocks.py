@@ -13,7 +13,7 @@ def clocks(**offsets):
     made = Clocks()
     for service, offset in offsets.items():
         for way in (70 * MS, 3 * MS, 20 * MS):
-            made.heard(service, DAY + offset, DAY + way)
+            made.receive(service, DAY + offset, DAY + way)
     return made
 
 
@@ -39,5 +39,5 @@ def test_without_capture_the_base_is_the_reference_and_without_both_none_is():
 def test_a_clock_that_was_set_is_followed():
     made = clocks(capture=0, fuse=10_000 * MS)
     for _ in range(KEPT):
-        made.heard("fuse", DAY, DAY + MS)
+        made.receive("fuse", DAY, DAY + MS)
     assert made.ahead("fuse") == 0.0

@@ -63,14 +63,14 @@ def test_the_battery_is_shown_with_its_age():
 
 
 def test_the_odometry_is_shown():
-    heard = Aged(ODOMETRY, 0.1)
-    assert line("pose", odometry=heard).text.startswith("pose      x +1.234 m   y -0.500 m   heading +90.0 deg")
-    assert line("moves", odometry=heard).text.startswith("moves     +0.18 m/s   -0.25 rad/s")
+    received = Aged(ODOMETRY, 0.1)
+    assert line("pose", odometry=received).text.startswith("pose      x +1.234 m   y -0.500 m   heading +90.0 deg")
+    assert line("moves", odometry=received).text.startswith("moves     +0.18 m/s   -0.25 rad/s")
 
 
 @pytest.mark.parametrize("begin", ["battery", "pose", "moves", "gate"])
-def test_what_was_never_heard_is_said(begin):
-    assert line(begin) == Line(f"{begin:10}nothing heard yet", alarm=True)
+def test_what_was_never_received_is_shown(begin):
+    assert line(begin) == Line(f"{begin:10}nothing received yet", alarm=True)
 
 
 def test_what_is_stale_is_said():
@@ -83,10 +83,10 @@ def test_what_is_stale_is_said():
 
 
 def test_a_free_way_is_no_alarm():
-    heard = Aged(safety(), 0.2)
-    assert line("gate", safety=heard) == Line("gate      free   (0.2 s old)")
-    assert line("asked", safety=heard) == Line("  asked   +0.20 m/s   +0.00 rad/s")
-    assert line("allowed", safety=heard) == Line("  allowed +0.20 m/s   +0.00 rad/s")
+    received = Aged(safety(), 0.2)
+    assert line("gate", safety=received) == Line("gate      free   (0.2 s old)")
+    assert line("asked", safety=received) == Line("  asked   +0.20 m/s   +0.00 rad/s")
+    assert line("allowed", safety=received) == Line("  allowed +0.20 m/s   +0.00 rad/s")
 
 
 def test_to_stand_without_a_command_is_no_alarm():
@@ -94,10 +94,10 @@ def test_to_stand_without_a_command_is_no_alarm():
 
 
 def test_what_the_gate_does_is_shown():
-    heard = Aged(safety(rule="obstacle", distance=0.62, allowed=(0.07, 0.0), note="drop ahead"), 0.0)
-    assert line("gate", safety=heard) == Line("gate      obstacle, 0.62 m to go   (0.0 s old)", alarm=True)
-    assert line("drop", safety=heard) == Line("  drop ahead", alarm=True)
-    assert line("allowed", safety=heard) == Line("  allowed +0.07 m/s   +0.00 rad/s", alarm=True)
+    received = Aged(safety(rule="obstacle", distance=0.62, allowed=(0.07, 0.0), note="drop ahead"), 0.0)
+    assert line("gate", safety=received) == Line("gate      obstacle, 0.62 m to go   (0.0 s old)", alarm=True)
+    assert line("drop", safety=received) == Line("  drop ahead", alarm=True)
+    assert line("allowed", safety=received) == Line("  allowed +0.07 m/s   +0.00 rad/s", alarm=True)
 
 
 @pytest.mark.parametrize("rule", [rule for rule in get_args(Rule) if rule not in ORDINARY])

@@ -9,7 +9,7 @@ from rich.console import Console
 from cliffscan.clocks import Clocks
 from cliffscan.common.contract.messages import ServiceStatus
 from cliffscan.common.runtime.config import SERVICES
-from cliffscan.health import Heard, examine
+from cliffscan.health import LastStatus, examine
 from cliffscan.status import picture
 
 NOW = 100.0
@@ -23,9 +23,11 @@ def told(service, **changes):
 
 def heard(age=0.5, **changes):
     """All services as they should be, but for those with `changes`; None: not there at all."""
-    last = {name: Heard(told(name, **changes.get(name, {})), NOW - age) for name in SERVICES if name not in changes}
+    last = {
+        name: LastStatus(told(name, **changes.get(name, {})), NOW - age) for name in SERVICES if name not in changes
+    }
     odd = {name: fields for name, fields in changes.items() if fields is not None}
-    return last | {name: Heard(told(name, **fields), NOW - age) for name, fields in odd.items()}
+    return last | {name: LastStatus(told(name, **fields), NOW - age) for name, fields in odd.items()}
 
 
 def notes(last, alive=None, clocks=None):
@@ -46,7 +48,7 @@ def test_where_all_is_well_nothing_is_noted():
 def test_what_should_be_there_and_is_not_heard_is_named():
     last = heard(capture=None, kobuki=None)
     text = shown("turtlebot", examine(set(last), last, Clocks(), NOW))
-    assert "not heard: capture, kobuki: where they run, does its router join this one" in " ".join(text.split())
+    assert "not found: capture, kobuki: where they run, does its router join this one" in " ".join(text.split())
     assert max(map(len, text.splitlines())) <= 80
 
 
@@ -92,7 +94,7 @@ def test_what_had_a_token_is_gone():
 def test_latencies_are_by_the_robots_clock():
     clocks = Clocks()
     for service, stamp in (("capture", 0), ("kobuki", 0), ("fuse", 10 * 10**9)):
-        clocks.heard(service, stamp + 10**12, 10**12)
+        clocks.receive(service, stamp + 10**12, 10**12)
     last = heard(fuse={"latency": (10.05, 10.09)})
     fuse = next(health for health in examine(set(last), last, clocks, NOW) if health.name == "fuse")
     assert fuse.latency == pytest.approx((0.05, 0.09))
@@ -103,7 +105,7 @@ def test_latencies_are_by_the_robots_clock():
 
 def test_no_text_of_others_is_markup_or_reaches_the_terminal_as_a_command():
     last = heard(fuse={"note": "[/x] [bold]\x1b[2J\u202e", "counts": {"[/y]\x1b": 3}})
-    last["[/z]"] = Heard(told("[/z]"), NOW)
+    last["[/z]"] = LastStatus(told("[/z]"), NOW)
     text = shown("turtlebot", examine(set(last), last, Clocks(), NOW))
     assert "[/x] [bold]\\u001b[2J\\u202e" in text
     assert "[/y]\\u001b" in text

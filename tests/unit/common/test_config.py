@@ -5,8 +5,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from cliffscan.common.perception.scans import ScanConfig
-from cliffscan.common.runtime.config import SERVICES, SHARED, ConfigError, dump, home_tables, load, meant_for
+from cliffscan.common.runtime.config import CONFIGURED, SHARED, ConfigError, dump, home_tables, load, meant_for
 from cliffscan.preflight import config_class
+from cliffscan.run import service_names
 from cliffscan.services.capture.config import CaptureConfig
 from cliffscan.services.fuse.config import FuseConfig
 from cliffscan.services.negative.config import NegativeConfig
@@ -209,7 +210,11 @@ def test_the_shared_table_has_nothing_else(file):
     assert refusal("negative", file("[scan]\nbeam = 1")).startswith("scan.beam: is not known here")
 
 
-@pytest.mark.parametrize("service", SERVICES)
+def test_every_service_that_has_settings_can_be_run():
+    assert set(CONFIGURED) <= set(service_names())
+
+
+@pytest.mark.parametrize("service", CONFIGURED)
 def test_a_service_reads_the_tables_that_its_class_shares(service):
     shared = {table for table, readers in SHARED.items() if service in readers}
     assert set(home_tables(service, config_class(service)).values()) == {service, *shared}

@@ -10,6 +10,7 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import array_shapes, arrays
 
+from cliffscan.common.contract.beam_fields import BEAM_FIELDS
 from cliffscan.common.contract.depth_codec import LEVELS, RAW
 from cliffscan.common.contract.message import MessageError
 from cliffscan.common.contract.messages import DepthImage, LaserScan, ServiceStatus
@@ -48,7 +49,7 @@ def test_a_raw_frame_is_little_endian_rows_of_millimetres():
 
 def test_a_scan_is_little_endian_single_precision():
     fields = build.scan_fields()
-    fields |= {name: np.frombuffer(fields[name], "<f4").astype(">f4") for name in ("ranges", "intensities", "clear")}
+    fields |= {name: np.frombuffer(fields[name], "<f4").astype(">f4") for name in BEAM_FIELDS}
     sent = plain(LaserScan.of(fields))
     assert list(sent) == list(build.scan_fields())
     assert sent["ranges"] == b"\x00\x00\x80\x3f\x00\x00\x80\x7f\x00\x00\xc0\x7f"
@@ -77,8 +78,7 @@ def test_a_scan_comes_back_as_it_was_sent(ranges):
     back = LaserScan.decode(sent.encode())
     np.testing.assert_array_equal(back.ranges, ranges)
     np.testing.assert_array_equal(back.intensities, np.isfinite(ranges))
-    arrays = {"ranges", "intensities", "clear"}
-    assert back.model_dump(exclude=arrays) == sent.model_dump(exclude=arrays)
+    assert back.model_dump(exclude=set(BEAM_FIELDS)) == sent.model_dump(exclude=set(BEAM_FIELDS))
 
 
 @given(st.dictionaries(st.text(), st.integers(0, 2**64 - 1)), st.floats(0, 1e6), finite, st.text())

@@ -5,12 +5,12 @@ from typing import Annotated, Literal, get_args, get_origin
 import pytest
 from pydantic import Field
 
-from cliffscan.common.runtime.config import SERVICES, ServiceConfig, dump
+from cliffscan.common.runtime.config import CONFIGURED, ServiceConfig, dump
 from cliffscan.common.runtime.settings import settings
 from cliffscan.preflight import config_class
 from cliffscan.services.fuse.config import ExtraInput
 
-CLASSES = [*map(config_class, SERVICES), ExtraInput]
+CLASSES = [*map(config_class, CONFIGURED), ExtraInput]
 
 
 class Toaster(ServiceConfig):

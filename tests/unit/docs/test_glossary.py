@@ -35,5 +35,5 @@ def test_every_counter_is_explained():
 
 def test_every_state_is_explained():
     shown = found(SHOWN, [TOP / "cliffscan/health.py"])
-    assert {"gone", "alive", "not heard"} <= shown
+    assert {"gone", "alive", "not found"} <= shown
     assert sorted(shown | set(get_args(State))) == sorted(rows("States"))

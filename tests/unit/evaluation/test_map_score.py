@@ -10,7 +10,7 @@ from cliffscan.simulator.kinect import kinect_camera
 from cliffscan.simulator.truth import Outline, closed
 from cliffscan.simulator.world import Pose, World
 from evaluation.map_score import edges_shown, faults, pose_errors, score
-from evaluation.truth.map_truth import Ground, drop_points, nearest, seen
+from evaluation.truth.world_truth import Ground, drop_points, nearest, seen
 
 CELL = 0.05
 ORIGIN = (-0.5, -0.5)

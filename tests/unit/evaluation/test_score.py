@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from benchmarks.accuracy.figures import Figures
+from benchmarks.accuracy.rows import Figures
 from cliffscan.common.contract.beam_fields import ABSENT, Beams
 from evaluation.score import Tally, Verdict, judge
 from evaluation.truth.beam_truth import Truth

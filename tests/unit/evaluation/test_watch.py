@@ -26,7 +26,7 @@ class Scripted:
 
 
 def test_a_process_that_was_started_again_has_died():
-    system, goal = Scripted(), FirstFrames(3)
+    system, goal = Scripted(), FirstFrames(3, {})
     watch = system.watch()
     watch.look(goal)
     system.supervisor.children["negative"].pid = 2
@@ -36,7 +36,7 @@ def test_a_process_that_was_started_again_has_died():
 
 
 def test_services_have_time_to_start_each_after_the_other():
-    system, goal = Scripted(), FirstFrames(3)
+    system, goal = Scripted(), FirstFrames(3, {})
     watch = system.watch()
     for service in SENSING:
         system.now += STARTING - 1.0
@@ -51,14 +51,14 @@ def test_a_service_that_does_not_start_is_named():
     system = Scripted()
     system.alive = set(SENSING) - {"fuse"}
     watch = system.watch()
-    watch.look(FirstFrames(3))
+    watch.look(FirstFrames(3, {}))
     system.now = STARTING + 1.0
     with pytest.raises(Failed, match="while starting fuse: 0 of 3 frames"):
-        watch.look(FirstFrames(3))
+        watch.look(FirstFrames(3, {}))
 
 
 def test_services_that_work_must_bring_a_new_frame_in_time():
-    system, goal = Scripted(), FirstFrames(3)
+    system, goal = Scripted(), FirstFrames(3, {})
     system.alive = set(SENSING)
     watch = system.watch()
     for taken in range(3):

@@ -12,13 +12,13 @@ import pytest
 from cliffscan.services.kobuki import battery
 from cliffscan.services.kobuki.kinematics import speed_and_radius
 from cliffscan.services.kobuki.odometry import Odometry
-from cliffscan.services.kobuki.odometry_increment import Reading, step_between
+from cliffscan.services.kobuki.odometry_increment import Reading, increment_between
 from cliffscan.services.kobuki.protocol import commands
 from cliffscan.services.kobuki.protocol.commands import LedColour, Outputs, SoundSequence, Supply
 from cliffscan.services.kobuki.protocol.frames import FrameParser, frame
 from cliffscan.services.kobuki.protocol.packets import CENTIDEGREE, decode
 from cliffscan.services.kobuki.protocol.sensors import VOLTS_PER_COUNT, Gains, GainSet
-from cliffscan.services.kobuki.protocol.versions import UNTOLD, Version, advice, refusal
+from cliffscan.services.kobuki.protocol.versions import UNREPORTED, Version, advice, refusal
 
 CHECKOUT = Path(__file__).resolve().parents[3]
 FILE = CHECKOUT.parent / "shared" / "data" / "kobuki_vectors.json"
@@ -114,7 +114,7 @@ def test_steps_by_the_wheels(vector):
     if len(cores) < 2:
         return
     before, after = (Reading.of(core, None, 0.0) for core in cores[-2:])
-    step = step_between(before, after)
+    step = increment_between(before, after)
     along, sideways, turn = vector["decoded_after_last"]["pose_update"]
     assert (step.distance, 0.0, step.turn) == pytest.approx((along, sideways, turn), rel=ROUNDED)
     rates = (step.distance / step.seconds, 0.0, step.turn / step.seconds)
@@ -182,7 +182,7 @@ def test_what_is_wrong_costs_only_itself(name, skipped, stamps):
     if name.startswith("core_length"):
         assert feedbacks[1].cliff == (2050, 2060, 2070)
     if name == "pre_1_0_0_real_capture":
-        assert feedbacks[1].firmware == UNTOLD
+        assert feedbacks[1].firmware == UNREPORTED
 
 
 def encoded(request, outputs):

@@ -7,7 +7,7 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from cliffscan.services.kobuki.kinematics import METRES_PER_TICK
-from cliffscan.services.kobuki.odometry_increment import Discontinuity, Reading, step_between
+from cliffscan.services.kobuki.odometry_increment import Discontinuity, Reading, increment_between
 from cliffscan.services.kobuki.protocol.packets import decode
 from tests.kobuki_stream import core, inertia
 
@@ -34,13 +34,13 @@ def test_a_reading_is_taken_from_a_packet():
 
 
 def test_the_wheels_tell_the_distance_and_the_gyro_the_turn():
-    step = step_between(START, after(20, 100, 140, 0.01))
+    step = increment_between(START, after(20, 100, 140, 0.01))
     assert step == (pytest.approx(120 / TICKS_PER_METRE), pytest.approx(0.01), 0.02, True)
 
 
 @pytest.mark.parametrize("blind", [START._replace(angle=None), START])
 def test_without_a_gyro_the_wheels_tell_the_turn(blind):
-    step = step_between(blind, after(20, 100, 140)._replace(angle=None))
+    step = increment_between(blind, after(20, 100, 140)._replace(angle=None))
     assert step == (pytest.approx(120 / TICKS_PER_METRE), pytest.approx(40 / TICKS_PER_METRE / 0.23), 0.02, False)
 
 
@@ -49,7 +49,7 @@ def test_without_a_gyro_the_wheels_tell_the_turn(blind):
 )
 def test_counters_may_wrap(timestamp, encoder, left, right, ms):
     start = Reading(timestamp, encoder, encoder ^ 0x8000, 3.1, 0.0)
-    step = step_between(start, after(ms, left, right, 0.09, start=start))
+    step = increment_between(start, after(ms, left, right, 0.09, start=start))
     assert step.distance == pytest.approx((left + right) / 2 * METRES_PER_TICK)
     assert step.seconds == pytest.approx(ms / 1000)
     assert step.turn == pytest.approx(0.09)
@@ -59,11 +59,11 @@ def test_counters_may_wrap(timestamp, encoder, left, right, ms):
 @pytest.mark.parametrize("start", [math.pi - 0.1, 0.1 - math.pi])
 def test_the_gyros_angle_may_wrap(start, angle):
     start = START._replace(angle=start)
-    assert step_between(start, after(angle=angle, start=start)).turn == pytest.approx(angle)
+    assert increment_between(start, after(angle=angle, start=start)).turn == pytest.approx(angle)
 
 
 def test_a_clock_that_stands_still_brings_nothing_new():
-    assert step_between(START, after(0, 10, 10)) is None
+    assert increment_between(START, after(0, 10, 10)) is None
 
 
 @pytest.mark.parametrize(
@@ -86,7 +86,7 @@ def test_a_clock_that_stands_still_brings_nothing_new():
 )
 def test_a_leap_is_no_step(change, why):
     with pytest.raises(Discontinuity) as error:
-        step_between(START, after(**change))
+        increment_between(START, after(**change))
     assert why in str(error.value)
 
 
@@ -94,13 +94,13 @@ def test_a_leap_is_no_step(change, why):
     "change", [{"ms": 500}, {"now": 1.0}, {"now": 0.0}, {"left": 703, "right": -703}, {"angle": -0.19}]
 )
 def test_a_hurry_is_no_leap(change):
-    assert step_between(START, after(**change)) is not None
+    assert increment_between(START, after(**change)) is not None
 
 
 @given(st.integers(-50000, 50000), st.integers(0, 0xFFFF), st.integers(0, 0xFFFF), st.floats(-math.pi, math.pi))
 def test_no_step_is_faster_than_a_kobuki_can_be(ms, left, right, angle):
     try:
-        step = step_between(START, after(ms, left, right, angle))
+        step = increment_between(START, after(ms, left, right, angle))
     except Discontinuity:
         return
     assume(step is not None)

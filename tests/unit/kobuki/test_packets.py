@@ -17,7 +17,7 @@ from cliffscan.services.kobuki.protocol.sensors import (
     Overcurrent,
     WheelDrop,
 )
-from cliffscan.services.kobuki.protocol.versions import UNTOLD, Version
+from cliffscan.services.kobuki.protocol.versions import UNREPORTED, Version
 from tests.kobuki_stream import core, gyro, inertia, sub_payload, usual_payload
 
 OLD = bytes.fromhex(
@@ -186,7 +186,7 @@ def test_an_empty_payload_is_no_news():
 
 
 def test_firmware_before_1_0_0_is_known_by_its_packets():
-    assert decode(OLD) == Feedback(firmware=UNTOLD)
+    assert decode(OLD) == Feedback(firmware=UNREPORTED)
 
 
 def test_other_payloads_of_54_bytes_are_read():

@@ -3,7 +3,7 @@
 import pytest
 
 from cliffscan.services.kobuki.protocol.packets import decode
-from cliffscan.services.kobuki.protocol.versions import UNTOLD, Version, advice, has_gains, refusal
+from cliffscan.services.kobuki.protocol.versions import UNREPORTED, Version, advice, has_gains, refusal
 
 HARDWARE = Version(1, 0, 4)
 
@@ -25,7 +25,7 @@ def test_every_other_is_refused(firmware):
 
 
 def test_firmware_that_cannot_tell_its_version_is_refused():
-    why = refusal(UNTOLD, None)
+    why = refusal(UNREPORTED, None)
     assert why.startswith("firmware that sends packets without sub-payload lengths is older than 1.0.0")
     assert "0.0.0" not in why
 

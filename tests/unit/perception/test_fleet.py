@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from cliffscan.services.perception import fleet as module
-from cliffscan.services.perception.config import load
+from cliffscan.services.perception.configs import load
 from cliffscan.services.perception.fleet import SILENCE, Fleet
 from cliffscan.services.perception.turns import MOST
 from tests import build

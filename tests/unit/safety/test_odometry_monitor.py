@@ -87,7 +87,7 @@ def test_a_base_that_goes_on_after_the_command_has_changed_is_noticed(wheels):
         wheels.speeds = before[:]
         wheels.told = [(wheels.now - 1.0, tuple(before))]
         said += wheels.drive(0.1, 0.0, TICK)
-    assert "turns at 0.50 m/s and was told 0.10 m/s at most" in said[0][1]
+    assert "turns at 0.50 m/s and was commanded 0.10 m/s at most" in said[0][1]
 
 
 @pytest.mark.parametrize("shares", [(0.5, 1.0), (1.0, 0.5)])
