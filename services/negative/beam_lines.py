@@ -20,6 +20,7 @@ from cliffscan.common.perception.image_region import ImageRegion, Millimetres, S
 Rows = NDArray[np.int32]
 
 APART = 0.01  # [m] of floor between two rows that are looked at, where the image has more
+MOST_LINES = 4  # for each column
 ASLANT = 30.0  # [columns] per row, by which a line may lean at most
 BESIDE = np.float32(1.0)  # [columns] beside the outermost ones' middles: half a pixel, and half a beam
 NOWHERE = np.float32(-1.0)  # a row
@@ -40,9 +41,13 @@ class BeamLines(NamedTuple):
 
 
 def lines_per_beam(region: ImageRegion, grid: Grid) -> int:
-    """So many that none is wider than a pixel in the image's middle: a coarse grid's beam sees many columns."""
+    """So many that none is wider than a pixel in the image's middle: a coarse grid's beam sees many columns.
+
+    But no more than MOST_LINES for each column of the image, however long a lens the frame says it has.
+    """
     fx, fy, _, _ = region.camera.intrinsics
-    return max(1, round(grid.increment * (fy if region.transposed else fx)))
+    most = MOST_LINES * region.shape[1] / grid.beams
+    return max(1, round(min(grid.increment * (fy if region.transposed else fx), most)))
 
 
 def beam_lines(region: ImageRegion, grid: Grid, each: int) -> BeamLines:
