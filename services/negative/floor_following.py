@@ -65,7 +65,7 @@ def single(criteria: FloorCriteria[float]) -> FloorCriteria[np.float32]:
 # One gate a test, in this file for numba's sake: it compiles them in, and compiles anew when this file changes.
 # Below the floor: a drop, or a step down that may be driven
 BELOW_SIGMAS = f32(6.0)  # a height that is lower by more sigmas of noise is below,
-HOLE_LENGTH = f32(0.2)  # [m] or by what a hole so long along the beam shows of its far side,
+HOLE_LENGTH = f32(0.1)  # [m] or by what a hole so long along the beam shows of its far side,
 HOLE_SHARE = f32(0.6)  # this share of what geometry has it,
 UNEVEN = f32(0.012)  # [m] and no less than a flat floor rises and falls from row to row, and sensors err
 DEEP_SIGMAS = f32(4.0)  # far below, if by a step and more sigmas than that

@@ -196,3 +196,12 @@ def test_a_part_of_the_robot_in_view_costs_nothing_but_a_hole_there_is_told():
     assert (clear > 2.0).mean() > 0.9
     assert (told.ranges == np.float32(0.95)).mean() > 0.95
     assert (told.clear < 0.95).all()
+
+
+@pytest.mark.parametrize("start", [0.78, 0.9])
+def test_near_the_robot_a_hole_is_found_that_is_10_cm_long(start):  # a corner's last beams cross no more
+    camera = kinect_camera()
+    depth = scenes.depth(camera, [(start, -5.0, -0.4, start + 0.1, 5.0, 0.0)], wall=60.0)
+    beams = beams_by_method(seen_by_kinect(depth, camera, seed=1), NegativeConfig(), ["near_edge"])["near_edge"]
+    assert np.isfinite(beams.ranges).mean() > 0.95
+    assert (beams.clear < start + 0.1).mean() > 0.95
