@@ -80,6 +80,9 @@ ODOMETRY = Topic("base/odom", Odometry, "50 Hz", Qos.REAL_TIME, "kobuki")
 BASE_STATE = Topic("base/state", BaseState, "50 Hz", Qos.REAL_TIME, "kobuki")
 IMU = Topic("base/imu", Imu, "per base packet", Qos.REAL_TIME, "kobuki")
 VELOCITY = Topic("base/cmd_vel", Velocity, "any", Qos.REAL_TIME, "whatever drives")
+VELOCITY_SAFE = Topic(
+    "base/cmd_vel_safe", Velocity, "per decision", Qos.REAL_TIME, "a gate for a base that is not driven from here"
+)
 SAFETY = Topic("base/safety", SafetyState, "on change and 1 Hz", Qos.REAL_TIME, "kobuki")
 MAP = Topic("map", OccupancyGrid, "1 Hz at most", Qos.BULK, "a SLAM plug-in")
 MAP_OF_PLUGIN = Topic("map/<name>", OccupancyGrid, "1 Hz at most", Qos.BULK, "one of several SLAM plug-ins")

@@ -1,4 +1,4 @@
-"""Eclipse Zenoh, as the services use it; only zenoh_config and reader import it beside this."""
+"""Eclipse Zenoh, as the services use it; only zenoh_config, reader and foreign_keys import it beside this."""
 
 import logging
 import threading
@@ -16,6 +16,7 @@ from cliffscan.common.contract.limits import SMALL
 from cliffscan.common.contract.message import Message, MessageError, check_size, unpack
 from cliffscan.common.contract.topics import ROBOT_NAME, Qos, Topic, alive, most_bytes
 from cliffscan.common.runtime import zenoh_config
+from cliffscan.common.runtime.foreign_keys import ForeignKeys
 from cliffscan.common.runtime.metrics import ServiceMetrics
 from cliffscan.common.runtime.pace import Pace
 from cliffscan.common.runtime.reader import Readers
@@ -110,6 +111,10 @@ class Bus:
         other = copy(self)
         other._begin(robot)
         return other
+
+    def foreign_keys(self) -> ForeignKeys:
+        """Keys of another protocol in the same session; retract() leaves them."""
+        return ForeignKeys(self._session, self._readers)
 
     def retract(self) -> None:
         """Take back all that was declared here; what others declared in the session stays."""

@@ -1,0 +1,120 @@
+"""Keys of another protocol on a bus's session: nothing of this contract, neither the robot's name nor msgpack."""
+
+from collections.abc import Callable
+from typing import Any, NamedTuple, Protocol
+
+import zenoh
+import zenoh.ext
+
+from cliffscan.common.contract.message import MessageError, check_size
+from cliffscan.common.runtime.pace import Pace
+from cliffscan.common.runtime.reader import Readers
+
+HEARTBEAT = 0.5  # [s] after which receivers of a latched key are told which sample was the last
+
+
+class Received(NamedTuple):
+    """A foreign sample. It was put by anybody, and nothing is checked but its size."""
+
+    payload: bytes
+    attachment: bytes | None
+
+
+class ForeignPublisher(Protocol):
+    """Publishes bytes on one foreign key."""
+
+    @property
+    def has_subscribers(self) -> bool:
+        """Whether anybody subscribes; of a latched key True, for somebody may later."""
+
+    def put(self, payload: bytes, attachment: bytes) -> None:
+        """Send a sample; it is dropped where a link is full."""
+
+
+class ForeignKeys:
+    """Declares foreign keys and tokens. Session and readers are the bus's, and so is their end."""
+
+    def __init__(self, session: zenoh.Session, readers: Readers) -> None:
+        self._session = session
+        self._readers = readers
+        self._declared: list[Any] = []
+
+    @property
+    def session_id(self) -> str:
+        """The session's Zenoh id, hexadecimal."""
+        return str(self._session.zid())
+
+    def hold_token(self, key: str) -> None:
+        """Declare a liveliness token, until the session ends."""
+        self._declared.append(self._session.liveliness().declare_token(key))
+
+    def publisher(self, key: str) -> ForeignPublisher:
+        """Declare that samples will be put on a key."""
+        return _Publisher(
+            self._session.declare_publisher(key, congestion_control=zenoh.CongestionControl.DROP, express=True)
+        )
+
+    def latched_publisher(self, key: str) -> ForeignPublisher:
+        """Declare a key whose last sample whoever subscribes later gets, by Zenoh's advanced publication."""
+        return _LatchedPublisher(
+            zenoh.ext.declare_advanced_publisher(
+                self._session,
+                key,
+                congestion_control=zenoh.CongestionControl.DROP,
+                cache=zenoh.ext.CacheConfig(1),
+                sample_miss_detection=zenoh.ext.MissDetectionConfig(heartbeat=None, sporadic_heartbeat=HEARTBEAT),
+                publisher_detection=True,
+            )
+        )
+
+    def subscribe(
+        self,
+        key: str,
+        receive: Callable[[Received], object],
+        refused: Callable[[MessageError], object],
+        most: int,
+        room: int,
+        rate: float,
+    ) -> None:
+        """Call `receive` for the samples on a key, at most `rate` [Hz]; `refused` for those of more than `most` bytes.
+
+        `room` samples may wait; beyond, the oldest is dropped.
+        """
+
+        def take(sample: zenoh.Sample) -> None:
+            if sample.kind != zenoh.SampleKind.PUT:
+                return
+            try:
+                check_size(len(sample.payload), most)
+            except MessageError as error:
+                refused(error)
+            else:
+                attachment = sample.attachment.to_bytes() if sample.attachment else None
+                receive(Received(sample.payload.to_bytes(), attachment))
+
+        source = self._session.declare_subscriber(key, zenoh.handlers.RingChannel(room))
+        self._declared.append(source)
+        self._readers.read(source, take, Pace(rate, room))
+
+
+class _Publisher:
+    def __init__(self, publisher: zenoh.Publisher) -> None:
+        self._publisher = publisher
+
+    @property
+    def has_subscribers(self) -> bool:
+        status: Any = self._publisher.matching_status  # a MatchingStatus, whatever zenoh's stubs say
+        return bool(status.matching)
+
+    def put(self, payload: bytes, attachment: bytes) -> None:
+        self._publisher.put(payload, attachment=attachment)
+
+
+class _LatchedPublisher:
+    has_subscribers = True
+
+    def __init__(self, publisher: zenoh.ext.AdvancedPublisher) -> None:
+        self._publisher = publisher
+
+    def put(self, payload: bytes, attachment: bytes) -> None:
+        self._publisher.put(payload, attachment=attachment)

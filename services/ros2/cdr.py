@@ -1,0 +1,91 @@
+"""CDR, the bytes of ROS 2 messages: little-endian, each number aligned to its size. Source: OMG DDSI-RTPS, XCDR1."""
+
+import struct
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+HEADER = b"\x00\x01\x00\x00"  # plain CDR, little-endian; numbers are aligned from its end on
+
+
+class CdrError(ValueError):
+    """Bytes are not the message that they should be; the text says why."""
+
+
+class Writer:
+    """Builds a message field by field, in the order of its definition."""
+
+    def __init__(self) -> None:
+        self._bytes = bytearray(HEADER)
+
+    def numbers(self, code: str, *values: float) -> None:
+        """Numbers of one type by struct's code, as a fixed-size array has them: without a length."""
+        self._align(struct.calcsize(code))
+        self._bytes += struct.pack(f"<{len(values)}{code}", *values)
+
+    def text(self, text: str) -> None:
+        """A string."""
+        data = text.encode() + b"\0"
+        self.numbers("I", len(data))
+        self._bytes += data
+
+    def sequence(self, values: NDArray[Any]) -> None:
+        """A sequence of numbers: its length and its values, whose type the array has."""
+        self.numbers("I", values.size)
+        if values.size:
+            self._align(values.itemsize)
+        self._bytes += np.ascontiguousarray(values, values.dtype.newbyteorder("<")).tobytes()
+
+    def stamp(self, stamp: int) -> None:
+        """A builtin_interfaces/Time of a stamp [ns]."""
+        self.numbers("i", stamp // 1_000_000_000)
+        self.numbers("I", stamp % 1_000_000_000)
+
+    def header(self, stamp: int, frame: str) -> None:
+        """A std_msgs/Header."""
+        self.stamp(stamp)
+        self.text(frame)
+
+    def payload(self) -> bytes:
+        """The message."""
+        return bytes(self._bytes)
+
+    def _align(self, size: int) -> None:
+        self._bytes += bytes(-(len(self._bytes) - len(HEADER)) % size)
+
+
+class Reader:
+    """Reads a message field by field. All methods raise CdrError."""
+
+    def __init__(self, payload: bytes) -> None:
+        if payload[:2] != HEADER[:2]:
+            raise CdrError(f"begins with {payload[:4].hex()!r}, expected {HEADER.hex()!r}: little-endian CDR")
+        self._body = memoryview(payload)[len(HEADER) :]
+        self._at = 0
+
+    def numbers(self, code: str, count: int) -> tuple[Any, ...]:
+        """Numbers of one type by struct's code."""
+        size = struct.calcsize(code)
+        self._at += -self._at % size
+        return struct.unpack(f"<{count}{code}", self._take(count * size))
+
+    def text(self) -> str:
+        """A string."""
+        (length,) = self.numbers("I", 1)
+        try:
+            return bytes(self._take(length)).rstrip(b"\0").decode()
+        except UnicodeDecodeError as error:
+            raise CdrError(f"a string is not UTF-8: {error.reason}") from error
+
+    def header(self) -> tuple[int, str]:
+        """Stamp [ns] and frame of a std_msgs/Header."""
+        (seconds,), (nanoseconds,) = self.numbers("i", 1), self.numbers("I", 1)
+        return seconds * 1_000_000_000 + nanoseconds, self.text()
+
+    def _take(self, size: int) -> memoryview:
+        part = self._body[self._at : self._at + size]
+        if len(part) < size:
+            raise CdrError(f"ends after {len(self._body)} bytes, expected {self._at + size} at least")
+        self._at += size
+        return part

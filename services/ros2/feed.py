@@ -1,0 +1,82 @@
+"""A topic of the robot that travels to this process only while somebody in ROS subscribes to what is made of it."""
+
+import time
+from collections.abc import Callable, Sequence
+from typing import Any, Generic, TypeVar
+
+from cliffscan.common.contract.message import Message
+from cliffscan.common.contract.topics import Topic
+from cliffscan.common.runtime.decoder import Decoder
+from cliffscan.common.runtime.service import RATE, ROOM, Service
+from cliffscan.services.ros2.node import Publisher
+
+M = TypeVar("M", bound=Message)
+
+
+class Output(Generic[M]):
+    """A ROS topic, and how its message is made of ours; with a period [s] no more often than that."""
+
+    def __init__(self, publisher: Publisher, convert: Callable[[M], bytes], period: float = 0.0) -> None:
+        self._publisher = publisher
+        self._convert = convert
+        self._period = period
+        self._next = 0.0
+
+    @property
+    def wanted(self) -> bool:
+        """Whether anybody would receive it."""
+        return self._publisher.has_subscribers
+
+    def publish(self, message: M) -> None:
+        """Convert a message and publish it, if anybody would receive it."""
+        now = time.monotonic()
+        if now >= self._next and self.wanted:
+            self._next = now + self._period
+            self._publisher.put(self._convert(message))
+
+
+class Feed(Generic[M]):
+    """Receives `topic` while an output is wanted, and hands each good message to `accept`.
+
+    room: how many messages may wait; the oldest is dropped first.
+    """
+
+    def __init__(
+        self,
+        service: Service[Any],
+        topic: Topic[M],
+        outputs: Sequence[Output[M]],
+        accept: Callable[[M], object] | None = None,
+        room: int = ROOM,
+    ) -> None:
+        self._bus = service.bus.beside(service.bus.robot)
+        self._metrics = service.metrics
+        self._topic = topic
+        self._outputs = outputs
+        self._accept = accept or self.publish
+        self._room = room
+        self._receiving = False
+
+    def publish(self, message: M) -> None:
+        """Publish all that is made of a message."""
+        for output in self._outputs:
+            output.publish(message)
+
+    def poll(self) -> None:
+        """Subscribe or take the subscription back, as the outputs are wanted; to be called some times a second."""
+        wanted = any(output.wanted for output in self._outputs)
+        if wanted and not self._receiving:
+            self._subscribe()
+        elif self._receiving and not wanted:
+            self._bus.retract()
+        self._receiving = wanted
+
+    def _subscribe(self) -> None:
+        decoder = Decoder(self._topic.message, self._metrics)
+
+        def arrived(path: str, payload: bytes) -> None:
+            message = decoder.decode(path, payload)
+            if message is not None:
+                self._accept(message)
+
+        self._bus.subscribe(self._topic.path, arrived, self._room, RATE, decoder.refused)

@@ -1,0 +1,198 @@
+"""Our messages as those of ROS 2: functions of a message that return CDR, fields in the order of the definition.
+
+Source: common_interfaces and tf2_msgs, of Jazzy.
+"""
+
+import math
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cliffscan.common.contract.base_messages import BaseState, Imu, Odometry
+from cliffscan.common.contract.beam_fields import Ranges
+from cliffscan.common.contract.map_messages import OccupancyGrid
+from cliffscan.common.contract.messages import DepthImage, LaserScan
+from cliffscan.services.ros2.cdr import Writer
+from cliffscan.services.ros2.transforms import Transform, heading
+
+PLANE = (0, 1, 5)  # x, y and the rotation about z, of the six dimensions of a covariance
+NOT_MEASURED = 1e6  # variance of what no sensor measures
+HEADING_VARIANCE = 0.05  # [rad²] of the gyro's own heading, as kobuki_node has it
+FLOAT32, POINT_STEP = 7, 16  # of a PointField; [bytes] of x, y, z and intensity
+POINT_FIELDS = ("x", "y", "z", "intensity")
+UNKNOWN, CHARGING, DISCHARGING, FULL = 0, 1, 2, 4  # power_supply_status
+SUPPLY = {
+    "discharging": DISCHARGING,
+    "dock_charging": CHARGING,
+    "adapter_charging": CHARGING,
+    "dock_charged": FULL,
+    "adapter_charged": FULL,
+}
+
+
+def laser_scan(scan: LaserScan, ranges: Ranges, frame: str, range_max: float) -> bytes:
+    """A sensor_msgs/LaserScan with the beams of a scan, but other ranges [m]: (beams,)."""
+    writer = Writer()
+    writer.header(scan.stamp, frame)
+    angle_max = scan.angle_min + (len(ranges) - 1) * scan.angle_increment
+    angles = (scan.angle_min, angle_max, scan.angle_increment)
+    writer.numbers("f", *angles, scan.time_increment, scan.scan_time, scan.range_min, range_max)
+    writer.sequence(ranges)
+    writer.sequence(scan.intensities)
+    return writer.payload()
+
+
+def point_cloud(scan: LaserScan, frame: str) -> bytes:
+    """A sensor_msgs/PointCloud2 of a scan's numbers, in its own plane, with the evidence as intensity."""
+    hit = np.isfinite(scan.ranges)
+    ranges, angles = scan.ranges[hit], scan.grid().angles()[hit]
+    points = np.zeros((len(ranges), len(POINT_FIELDS)), "<f4")
+    points[:, 0], points[:, 1] = ranges * np.cos(angles), ranges * np.sin(angles)
+    if len(scan.intensities):
+        points[:, 3] = scan.intensities[hit]
+    writer = Writer()
+    writer.header(scan.stamp, frame)
+    writer.numbers("I", 1, len(points), len(POINT_FIELDS))
+    for number, name in enumerate(POINT_FIELDS):
+        writer.text(name)
+        writer.numbers("I", 4 * number)
+        writer.numbers("B", FLOAT32)
+        writer.numbers("I", 1)
+    writer.numbers("?", False)
+    writer.numbers("I", POINT_STEP, POINT_STEP * len(points))
+    writer.sequence(points.view(np.uint8).ravel())
+    writer.numbers("?", True)
+    return writer.payload()
+
+
+def odometry(message: Odometry, base_frame: str) -> bytes:
+    """A nav_msgs/Odometry."""
+    x, y, theta = message.pose
+    linear, angular = message.twist
+    writer = Writer()
+    writer.header(message.stamp, message.frame)
+    writer.text(base_frame)
+    writer.numbers("d", x, y, 0.0, *heading(theta), *_covariance(message.pose_covariance))
+    writer.numbers("d", linear, 0.0, 0.0, 0.0, 0.0, angular, *_covariance(message.twist_covariance))
+    return writer.payload()
+
+
+def tf_message(transforms: Sequence[Transform]) -> bytes:
+    """A tf2_msgs/TFMessage."""
+    writer = Writer()
+    writer.numbers("I", len(transforms))
+    for each in transforms:
+        writer.header(each.stamp, each.parent)
+        writer.text(each.child)
+        writer.numbers("d", *each.translation, *each.rotation)
+    return writer.payload()
+
+
+def imu(message: Imu, frame: str) -> bytes:
+    """A sensor_msgs/Imu: the gyro's heading, its newest sample, and no acceleration."""
+    samples: NDArray[np.float32] = message.angular_velocities
+    rates = samples[-3:].tolist() if len(samples) else (0.0, 0.0, message.heading_rate)
+    writer = Writer()
+    writer.header(message.stamp, frame)
+    writer.numbers("d", *heading(message.heading), *_diagonal(NOT_MEASURED, NOT_MEASURED, HEADING_VARIANCE))
+    writer.numbers("d", *rates, *_diagonal(0.0, 0.0, 0.0))  # 0: not known
+    writer.numbers("d", 0.0, 0.0, 0.0, *_diagonal(-1.0, 0.0, 0.0))  # -1: there is none
+    return writer.payload()
+
+
+def battery_state(state: BaseState, frame: str) -> bytes:
+    """A sensor_msgs/BatteryState; what the base does not measure is NaN or unknown."""
+    writer = Writer()
+    writer.header(state.stamp, frame)
+    writer.numbers("f", state.battery_voltage, *[math.nan] * 5, state.battery_percent / 100.0)
+    writer.numbers("B", SUPPLY.get(state.charger, UNKNOWN), UNKNOWN, UNKNOWN)
+    writer.numbers("?", True)
+    writer.sequence(np.empty(0, np.float32))  # voltages and
+    writer.sequence(np.empty(0, np.float32))  # temperatures of cells
+    writer.text("")
+    writer.text("")
+    return writer.payload()
+
+
+def diagnostic_array(stamp: int, level: int, name: str, text: str, hardware: str, values: Mapping[str, str]) -> bytes:
+    """A diagnostic_msgs/DiagnosticArray of one status."""
+    writer = Writer()
+    writer.header(stamp, "")
+    writer.numbers("I", 1)
+    writer.numbers("B", level)
+    for each in (name, text, hardware):
+        writer.text(each)
+    writer.numbers("I", len(values))
+    for key, value in values.items():
+        writer.text(key)
+        writer.text(value)
+    return writer.payload()
+
+
+def occupancy_grid(grid: OccupancyGrid) -> bytes:
+    """A nav_msgs/OccupancyGrid."""
+    x, y, theta = grid.origin
+    writer = Writer()
+    writer.header(grid.stamp, grid.frame)
+    writer.stamp(grid.stamp)
+    writer.numbers("f", grid.resolution)
+    writer.numbers("I", grid.width, grid.height)
+    writer.numbers("d", x, y, 0.0, *heading(theta))
+    writer.sequence(grid.data)
+    return writer.payload()
+
+
+def image(message: DepthImage) -> bytes:
+    """A sensor_msgs/Image, 16UC1: (height, width) [mm], 0 = no return."""
+    writer = Writer()
+    writer.header(message.stamp, message.frame)
+    writer.numbers("I", message.height, message.width)
+    writer.text("16UC1")
+    writer.numbers("B", 0)  # little-endian
+    writer.numbers("I", 2 * message.width)
+    writer.sequence(np.ascontiguousarray(message.depth, "<u2").view(np.uint8).ravel())
+    return writer.payload()
+
+
+def camera_info(message: DepthImage) -> bytes:
+    """A sensor_msgs/CameraInfo of an image without distortion."""
+    fx, fy, cx, cy = message.intrinsics
+    writer = Writer()
+    writer.header(message.stamp, message.frame)
+    writer.numbers("I", message.height, message.width)
+    writer.text("plumb_bob")
+    writer.sequence(np.zeros(5))
+    writer.numbers("d", fx, 0.0, cx, 0.0, fy, cy, 0.0, 0.0, 1.0)
+    writer.numbers("d", *_diagonal(1.0, 1.0, 1.0))
+    writer.numbers("d", fx, 0.0, cx, 0.0, 0.0, fy, cy, 0.0, 0.0, 0.0, 1.0, 0.0)
+    writer.numbers("I", 0, 0, 0, 0, 0, 0)  # no binning, and the region is all of it
+    writer.numbers("?", False)
+    return writer.payload()
+
+
+def twist(linear: float, angular: float) -> bytes:
+    """A geometry_msgs/Twist [m/s], [rad/s]."""
+    writer = Writer()
+    writer.numbers("d", linear, 0.0, 0.0, 0.0, 0.0, angular)
+    return writer.payload()
+
+
+def twist_stamped(stamp: int, frame: str, linear: float, angular: float) -> bytes:
+    """A geometry_msgs/TwistStamped [m/s], [rad/s]."""
+    writer = Writer()
+    writer.header(stamp, frame)
+    writer.numbers("d", linear, 0.0, 0.0, 0.0, 0.0, angular)
+    return writer.payload()
+
+
+def _covariance(planar: Sequence[float]) -> list[float]:
+    """The covariance 6 x 6 of one of x, y and theta, 3 x 3; the other dimensions are not measured."""
+    matrix = NOT_MEASURED * np.eye(6)
+    matrix[np.ix_(PLANE, PLANE)] = np.reshape(planar, (3, 3))
+    return list(matrix.ravel())
+
+
+def _diagonal(x: float, y: float, z: float) -> tuple[float, ...]:
+    """A diagonal matrix 3 x 3, row by row."""
+    return x, 0.0, 0.0, 0.0, y, 0.0, 0.0, 0.0, z

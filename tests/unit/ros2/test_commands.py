@@ -1,0 +1,94 @@
+"""What comes from ROS, written by an independent CDR library."""
+
+import math
+import time
+
+import numpy as np
+import pytest
+from rosbags.typesys import Stores, get_typestore
+
+from cliffscan.common.contract.base_messages import Odometry
+from cliffscan.common.contract.message import MessageError
+from cliffscan.services.ros2 import commands, messages
+from cliffscan.services.ros2.cdr import CdrError, Reader
+from tests.unit.ros2.test_messages import ODOMETRY
+
+ROS = get_typestore(Stores.ROS2_JAZZY)
+MS = 1_000_000  # [ns]
+
+
+def kind(name):
+    return ROS.types[name]
+
+
+def twist(linear=0.2, angular=-0.5):
+    vector = kind("geometry_msgs/msg/Vector3")
+    return kind("geometry_msgs/msg/Twist")(vector(linear, 0.1, 0.2), vector(0.3, 0.4, angular))
+
+
+def written(message, name):
+    return Reader(bytes(ROS.serialize_cdr(message, name)))
+
+
+def stamped(stamp, frame):
+    time_of = kind("builtin_interfaces/msg/Time")(stamp // 10**9, stamp % 10**9)
+    header = kind("std_msgs/msg/Header")(time_of, frame)
+    name = "geometry_msgs/msg/TwistStamped"
+    return written(kind(name)(header, twist()), name)
+
+
+def test_a_twist_is_of_now():
+    before = time.time_ns()
+    velocity = commands.twist(written(twist(), "geometry_msgs/msg/Twist"), 7)
+    assert before <= velocity.stamp <= time.time_ns()
+    assert (velocity.linear, velocity.angular, velocity.source, velocity.priority) == (0.2, -0.5, "ros2", 7)
+
+
+@pytest.mark.parametrize("frame", ["", "b", "base_link", "a frame with 'ümlaut"])
+def test_a_stamped_twist_keeps_its_stamp_whatever_its_frame(frame):
+    velocity = commands.twist_stamped(stamped(123_456_789_012, frame), 0)
+    assert (velocity.stamp, velocity.linear, velocity.angular) == (123_456_789_012, 0.2, -0.5)
+
+
+def test_a_stamped_twist_without_a_stamp_is_of_now():
+    assert abs(commands.twist_stamped(stamped(0, "base_link"), 0).stamp - time.time_ns()) < 60_000 * MS
+
+
+@pytest.mark.parametrize("speed", [math.nan, math.inf, 1e9])
+def test_an_impossible_twist_is_refused(speed):
+    with pytest.raises(MessageError, match="linear"):
+        commands.twist(written(twist(linear=speed), "geometry_msgs/msg/Twist"), 0)
+
+
+def test_bytes_that_are_too_few_are_refused():
+    whole = messages.twist(0.2, 0.0)
+    for length in range(4, len(whole)):
+        with pytest.raises(CdrError, match="ends after"):
+            commands.twist(Reader(whole[:length]), 0)
+
+
+@pytest.mark.parametrize("payload", [b"", b"\x00", b"\x00\x00\x00\x00", b"\x00\x03\x00\x00", b"\x93\x01\x02\x03"])
+def test_what_is_no_little_endian_cdr_is_refused(payload):
+    with pytest.raises(CdrError, match="little-endian CDR"):
+        Reader(payload)
+
+
+def test_a_string_that_is_none_is_refused():
+    with pytest.raises(CdrError, match="UTF-8"):
+        Reader(b"\x00\x01\x00\x00\x02\x00\x00\x00\xff\x00").text()
+    with pytest.raises(CdrError, match="ends after"):
+        Reader(b"\x00\x01\x00\x00\xff\xff\xff\xff\xff\x00").text()
+
+
+def test_odometry_comes_back_as_it_was():
+    back = commands.odometry(Reader(messages.odometry(ODOMETRY, "base_link")))
+    assert isinstance(back, Odometry)
+    np.testing.assert_allclose(back.pose, ODOMETRY.pose)
+    exact = {"pose": ODOMETRY.pose}
+    assert back.model_copy(update=exact) == ODOMETRY
+
+
+def test_odometry_without_numbers_is_refused():
+    broken = ODOMETRY.model_copy(update={"pose": (math.nan, 0.0, 0.0)})
+    with pytest.raises(MessageError, match="pose"):
+        commands.odometry(Reader(messages.odometry(broken, "base_link")))

@@ -1,0 +1,23 @@
+"""The table of type hashes, computed again from the definitions."""
+
+import pytest
+from rosbags.typesys import Stores, get_typestore
+
+from cliffscan.services.ros2.interfaces import INTERFACES
+
+STORES = [Stores.ROS2_JAZZY, Stores.ROS2_KILTED]
+
+
+def test_there_are_twelve_interfaces():
+    assert len({each.dds_name for each in INTERFACES}) == len(INTERFACES) == 12
+
+
+@pytest.mark.parametrize("interface", INTERFACES, ids=lambda interface: interface.name)
+@pytest.mark.parametrize("store", STORES, ids=lambda store: store.value)
+def test_a_hash_is_that_of_the_definition(interface, store):
+    name = f"{interface.package}/msg/{interface.name}"
+    assert get_typestore(store).hash_rihs01(name) == interface.type_hash
+
+
+def test_a_type_has_its_name_on_the_wire():
+    assert INTERFACES[0].dds_name == "sensor_msgs::msg::dds_::LaserScan_"
