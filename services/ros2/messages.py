@@ -5,6 +5,7 @@ Source: common_interfaces and tf2_msgs, of Jazzy.
 
 import math
 from collections.abc import Mapping, Sequence
+from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
@@ -188,9 +189,10 @@ def twist_stamped(stamp: int, frame: str, linear: float, angular: float) -> byte
 
 def _covariance(planar: Sequence[float]) -> list[float]:
     """The covariance 6 x 6 of one of x, y and theta, 3 x 3; the other dimensions are not measured."""
-    matrix = NOT_MEASURED * np.eye(6)
-    matrix[np.ix_(PLANE, PLANE)] = np.reshape(planar, (3, 3))
-    return list(matrix.ravel())
+    matrix = [NOT_MEASURED if place % 7 == 0 else 0.0 for place in range(36)]
+    for (row, column), value in zip(product(PLANE, PLANE), planar, strict=True):
+        matrix[6 * row + column] = value
+    return matrix
 
 
 def _diagonal(x: float, y: float, z: float) -> tuple[float, ...]:
