@@ -11,6 +11,7 @@ from benchmarks.accuracy.measure import measure
 from benchmarks.accuracy.report import report
 from benchmarks.accuracy.rows import Row, Table, worst
 from benchmarks.accuracy.scans import BEST, known_scans
+from benchmarks.accuracy.setups import SETUPS
 from evaluation.options import some_of
 from evaluation.tables import unique, write_csv
 
@@ -22,11 +23,14 @@ PICTURES = 4  # of each plane mode
 def arguments() -> argparse.Namespace:
     """The options."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks.accuracy", description=__doc__)
-    parser.add_argument("--scenes", type=int, default=400, help="about how many random scenes (400)")
+    parser.add_argument("--scenes", type=int, default=400, help="about how many, level and mounted (400)")
     parser.add_argument("--seed", type=int, default=1, help="of all random numbers (1)")
     parser.add_argument("--methods", nargs="+", choices=[*known_scans()], default=[*known_scans()], help="all, if none")
     parser.add_argument(
         "--planes", type=some_of(PLANES), default=PLANES, help=f"with commas between ({','.join(PLANES)})"
+    )
+    parser.add_argument(
+        "--setups", type=some_of(tuple(SETUPS)), default=tuple(SETUPS), help=f"with commas between ({','.join(SETUPS)})"
     )
     parser.add_argument("--out", type=Path, default=OUT, help=f"folder of the results ({OUT})")
     parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1, help="processes (one for each core)")
@@ -56,7 +60,8 @@ def replay(table: Table, scans: Sequence[str], out: Path) -> None:
 def main() -> None:
     """Measure, and write what was found."""
     options = arguments()
-    cases = [options.only] if options.only else some_cases(QUICK if options.quick else options.scenes, options.seed)
+    scenes = QUICK if options.quick else options.scenes
+    cases = [options.only] if options.only else some_cases(scenes, options.seed, options.setups)
     modes = (KNOWN,) if options.quick else options.planes
     options.out.mkdir(parents=True, exist_ok=True)
     table = measure(cases, options.methods, modes, options.jobs)

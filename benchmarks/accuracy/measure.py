@@ -3,16 +3,22 @@
 from collections.abc import Iterator, Sequence
 from functools import partial
 
+import numpy as np
+
 from benchmarks.accuracy.cases import Case, scene_of
 from benchmarks.accuracy.frames import KNOWN, WOBBLING, Frame, frames_of
-from benchmarks.accuracy.rows import Census, Row, Table
+from benchmarks.accuracy.rows import Census, Row, Sight, Table
 from benchmarks.accuracy.scans import ANGLES, beams_of, known_scans
+from cliffscan.common.contract.beam_fields import Beams
+from evaluation.scenes.safe import open_floor
 from evaluation.score import Tally
 from evaluation.truth.beam_truth import Truth
 from evaluation.truth.scene_truth import truth_of
+from evaluation.truth.sight import floor_in_sight
 from evaluation.workers import counted, in_order
 
 KERB_REACH = 1.5  # [m]
+EMPTY = open_floor.__name__
 EVERY = 9  # of the cases, one in so many wobbles: a sequence takes as long as a dozen; no multiple of the kinds
 
 Work = tuple[Case, str]
@@ -34,18 +40,27 @@ def results(work: Work, scans: Sequence[str]) -> list[Row]:
     scene = scene_of(case)
     judged: dict[str, list[tuple[Frame, Truth]]] = {}
     for frame in frames_of(case, plane):
-        judged.setdefault(frame.plane, []).append((frame, truth_of(scene, frame.true, ANGLES)))
+        judged.setdefault(frame.plane, []).append((frame, truth_of(scene, frame.true, ANGLES, case.setup.lengths)))
     return [row for mode, frames in judged.items() for row in rows_of(case, mode, frames, scans)]
 
 
 def rows_of(case: Case, plane: str, frames: Sequence[tuple[Frame, Truth]], scans: Sequence[str]) -> Iterator[Row]:
     """One row for each scan, over all frames."""
     census = Census.of([truth for _, truth in frames])
-    seen = [(beams_of(frame, scans), truth) for frame, truth in frames]
+    seen = [(frame, beams_of(frame, scans), truth) for frame, truth in frames]
     for scan in scans:
-        tally = Tally.total([Tally.of(beams[scan], truth) for beams, truth in seen])
-        kerb = Tally.total([Tally.of(beams[scan], near(truth)) for beams, truth in seen])
-        yield Row(case, plane, scan, tally, kerb, census)
+        tally = Tally.total([Tally.of(beams[scan], truth) for _, beams, truth in seen])
+        kerb = Tally.total([Tally.of(beams[scan], near(truth)) for _, beams, truth in seen])
+        sight = Sight.total([sight_of(case, frame, beams[scan]) for frame, beams, _ in seen])
+        yield Row(case, plane, scan, tally, kerb, census, sight)
+
+
+def sight_of(case: Case, frame: Frame, beams: Beams) -> Sight:
+    """Of a scene that is nothing but floor, how many beams could see it, and how many saw nothing."""
+    if case.kind != EMPTY:
+        return Sight()
+    could = floor_in_sight(frame.true, ANGLES)
+    return Sight(int(could.sum()), int(np.isnan(beams.ranges[could]).sum()))
 
 
 def near(truth: Truth) -> Truth:

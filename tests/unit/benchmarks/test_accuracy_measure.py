@@ -3,15 +3,16 @@
 import numpy as np
 import pytest
 
-from benchmarks.accuracy.cases import BUILD, Case, camera_of, some_cases
+from benchmarks.accuracy.cases import Case, camera_of, some_cases
 from benchmarks.accuracy.frames import KNOWN, PLANES, SETTLING, UNKNOWN, WOBBLE_FRAMES, WOBBLING, frames_of
 from benchmarks.accuracy.measure import EVERY, measure
 from benchmarks.accuracy.report import report
 from benchmarks.accuracy.rows import worst
+from benchmarks.accuracy.setups import BUILD, LEVEL, MOUNTED, SETUPS
 from evaluation.tables import write_csv
 
 SCAN = "virtual_floor"
-CASES = some_cases(4, seed=3)
+CASES = some_cases(4, seed=3, setups=(LEVEL, MOUNTED))
 
 
 def figures(table):
@@ -35,7 +36,7 @@ def test_order_of_the_cases_changes_nothing(table):
 
 def test_report_and_records_name_every_case_and_scan(table, tmp_path):
     text = report(table)
-    assert "## Camera level, plane known" in text
+    assert "## Setup level, plane known" in text
     assert all(f"| {scan} |" in text for scan in (SCAN, "paper"))
     write_csv((row.record() for row in table.rows), tmp_path / "cases.csv")
     lines = (tmp_path / "cases.csv").read_text().splitlines()
@@ -48,14 +49,38 @@ def test_all_kinds_are_among_the_cases():
     assert len({case.kind for case in some_cases(400, seed=1)[::EVERY]}) > len(BUILD) // 2
 
 
-@pytest.mark.parametrize("case", [Case("hole", 12), Case("stairs", 7, "mounted")])
+@pytest.mark.parametrize("case", [Case("hole", 12), Case("stairs", 7, "mounted"), Case("ramp_ahead", 3, "ramps")])
 def test_name_of_a_case_leads_back_to_it(case):
     assert Case.parse(case.name) == case
 
 
-def test_unknown_case_is_refused():
+@pytest.mark.parametrize("name", ["volcano:1", "airborne-hole:1"])
+def test_unknown_case_is_refused(name):
     with pytest.raises(ValueError, match="is no case"):
-        Case.parse("volcano:1")
+        Case.parse(name)
+
+
+def test_each_setup_has_its_cases_and_none_changes_anothers():
+    all_of = some_cases(20, seed=5)
+    assert {case.group for case in all_of} == set(SETUPS)
+    for name in SETUPS:
+        assert some_cases(20, seed=5, setups=(name,)) == [case for case in all_of if case.group == name]
+
+
+def test_a_column_that_no_scan_has_a_figure_for_is_left_out():
+    flat = measure(some_cases(4, seed=3, setups=("flat",)), [SCAN])
+    headings = next(line for line in report(flat).splitlines() if line.startswith("| scan"))
+    assert headings == "| scan | false, safe | blind |"
+
+
+def test_the_border_returns_nothing_and_is_told():
+    (frame,) = frames_of(Case("open_floor", 1, "border"), KNOWN)
+    left, top, right, bottom = frame.camera.region
+    lost = frame.depth.copy()
+    lost[top : bottom + 1, left : right + 1] = 0
+    assert frame.camera.seen is not None
+    assert not lost.any()
+    assert frame.depth[bottom, left : right + 1].any()
 
 
 def test_known_plane_is_the_true_one():

@@ -1,0 +1,1 @@
+"""Depth sensors beside the simulator's Kinect: their cameras, and how they spoil an exact image."""
