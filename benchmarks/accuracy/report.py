@@ -11,9 +11,10 @@ HEADINGS = ("scan", "found", "missed", "late", "early", "false, safe", "false, d
             "95 % / allowed", "kerb", "clear beyond", "blind")  # fmt: skip
 
 
-def report(table: Results) -> str:
-    """All tables, and what their words mean."""
-    return "\n\n".join(["# Where the floor ends, against exact truth", *sections(table), *by_kind(table), DEFINITIONS])
+def report(table: Results, notes: Sequence[str] = (), folders: Sequence[str] = ()) -> str:
+    """All tables, and what their words mean; notes: for below the title; folders: the sections of recorded frames."""
+    title = "# Where the floor ends, against exact truth"
+    return "\n\n".join([title, *notes, *sections(table), *by_kind(table), *folders, DEFINITIONS])
 
 
 def sections(table: Results) -> Iterable[str]:
