@@ -14,7 +14,12 @@ from cliffscan.simulator.frame_server import FrameServer
 DEADLINE = 10.0  # [s]
 FLOOR = FloorPlane.from_mount(0.31, 0.1)
 DEPTH = np.full((480, 640), 1234, np.uint16)
-HEADER = {"seq": 3, "stamp": 1_700_000_000_123_456_789, "intrinsics": [577.0, 579.0, 319.5, 239.5], "range": [0.5, 4.5]}
+HEADER = {
+    "seq": 3,
+    "stamp": 1_700_000_000_123_456_789,
+    "intrinsics": [577.0, 579.0, 319.5, 239.5],
+    "range": [0.5, 4.5],
+} | {"noise": 0.002, "baseline": 0.06}
 
 
 @pytest.fixture
