@@ -20,7 +20,7 @@ Grid = NDArray[np.int64]
 
 VIEWS = 3
 WIDEST = 8  # a border is at most this part of the image
-BESIDE = 120  # and the strip inside it, that must be full of returns, this part
+BESIDE = 60  # and the strip inside it, that must be full of returns, this part
 FULL = 0.7  # share of a strip's length with returns from which on it is full
 CELLS = 6, 8  # rows and columns of the grid by which views are compared
 SAMPLES = 6  # rows and columns of pixels that are looked at in each cell
