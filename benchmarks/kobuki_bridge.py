@@ -3,7 +3,8 @@
     python -m benchmarks.kobuki_bridge [--commands 500]
 
 The base is emulated here, so that its clock is ours: latency runs from put() to the bytes that tell the new speed. Each
-command asks for 1 mm/s less than the one before, which the gate passes at once, and comes with a fused scan. A first
+command asks for 1 mm/s less than the one before, which the gate passes at once, and comes with a fused scan; after 600
+the base comes up to speed again. A first
 run is made while nobody listens to the base, a second one while somebody listens to odometry, state and gyro.
 """
 
@@ -12,6 +13,7 @@ import tempfile
 import threading
 import time
 import uuid
+from collections.abc import Iterator
 from pathlib import Path
 from queue import Queue
 from typing import NamedTuple
@@ -33,6 +35,7 @@ from evaluation.tables import Table
 
 FASTEST, STEP = 0.65, 0.001  # [m/s]
 WARM_UP = 60  # commands in which the base comes up to speed
+ROUND = 600  # commands that are measured before it comes up to speed again
 PERIOD = 0.047  # [s] between commands, so that they meet every phase of the base's ticks
 BEAMS = 640  # of a fused scan
 HEADINGS = ("listens", "commands", "p50 ms", "p99 ms", "max ms", "CPU % of a core", "resident MiB")
@@ -96,18 +99,24 @@ def measure(bus: Bus, heard: Queue[tuple[float, int]], process: psutil.Process, 
     velocity, fused = bus.publisher(topics.VELOCITY), bus.publisher(topics.SCAN_FUSED)
     latencies: list[float] = []
     began, used = time.perf_counter(), cpu(process)
-    for number in range(-WARM_UP, commands):
-        fused.put(free_scan(time.time_ns(), BEAMS, number + WARM_UP))
+    for number, (measured, speed) in enumerate(speeds(commands)):
+        fused.put(free_scan(time.time_ns(), BEAMS, number))
         while not heard.empty():
             heard.get()
-        speed = FASTEST - STEP * max(number, 0)
         sent = time.perf_counter()
         velocity.put(Velocity(stamp=time.time_ns(), linear=speed, angular=0.0))
-        if number >= 0:
+        if measured:
             latencies.append(when(heard, int(1000.0 * speed)) - sent)
         time.sleep(max(0.0, PERIOD - (time.perf_counter() - sent)))
     seconds = time.perf_counter() - began
     return Result(latencies, (cpu(process) - used) / seconds, process.memory_info().rss / 2**20)
+
+
+def speeds(commands: int) -> Iterator[tuple[bool, float]]:
+    """Whether a command is measured, and its speed [m/s]: rounds of falling ones, each after a warm-up."""
+    for begun in range(0, commands, ROUND):
+        yield from ((False, FASTEST) for _ in range(WARM_UP))
+        yield from ((True, FASTEST - STEP * step) for step in range(min(ROUND, commands - begun)))
 
 
 def when(heard: Queue[tuple[float, int]], speed: int) -> float:

@@ -1,7 +1,8 @@
 """How long one frame takes, by method and beside a plain NumPy version: python -m benchmarks.speed [--frames N].
 
-All are measured in one run, in turn, so that a busy machine is as hard on one as on the other. Where the executables or
-sources of a peer are not present, it is not in the table.
+All are measured in one run, in turn, so that a busy machine is as hard on one as on the other. Each is measured after a
+sleep of 33 ms, as a service lives: its data and code have left the processor's caches meanwhile. `--rest 0` leaves the
+sleep out.
 """
 
 import argparse
@@ -14,14 +15,15 @@ from dataclasses import replace
 from functools import partial
 from itertools import count
 from statistics import median
-from time import perf_counter
+from time import perf_counter, sleep
 
 import numpy as np
 from rich.console import Console
 
+from cliffscan.common.contract import depth_codec
 from cliffscan.common.contract.beam_grid import Grid
 from cliffscan.common.contract.camera import FloorPlane, scan_axes
-from cliffscan.common.contract.depth_codec import RAW
+from cliffscan.common.contract.depth_codec import LEVELS, RAW
 from cliffscan.common.contract.messages import DepthImage
 from cliffscan.common.perception.combine import combine
 from cliffscan.common.perception.floor_points import floor_points
@@ -36,7 +38,15 @@ from cliffscan.simulator.camera import SimulatedKinect
 from cliffscan.simulator.kinect import KinectModel, kinect_camera
 from evaluation.tables import Table
 
-WORLDS = {"paper_room": 0.0, "stairs_corridor": 0.0, "empty_room": 0.0, "paper_room, 20° down": 20.0}
+LEVEL = (0.0, 0.0)  # pitch and roll [deg]
+WORLDS = {
+    "paper_room": LEVEL,
+    "stairs_corridor": LEVEL,
+    "empty_room": LEVEL,
+    "paper_room, 1° down": (1.0, 0.5),
+    "paper_room, 20° down": (20.0, 2.0),
+}
+REST = 33.0  # [ms] between two frames at 30 Hz
 PAPER = NegativeConfig(methods=("farthest_point", "virtual_floor"))
 OURS = NegativeConfig(methods=("near_edge",))
 ALL = NegativeConfig(methods=tuple(METHODS))
@@ -49,9 +59,10 @@ negative_scans(WARMUP_IMAGE, NegativeConfig())
 """
 
 
-def image_of(world: str, pitch: float) -> DepthImage:
-    """A noisy frame of a world, by a camera 0.30 m high that looks `pitch` [deg] down."""
-    camera = kinect_camera(pitch=np.radians(pitch))
+def image_of(world: str, pitch: float, roll: float) -> DepthImage:
+    """A noisy frame of a world, by a camera 0.30 m high that looks `pitch` [deg] down and leans to its right."""
+    floor = FloorPlane.from_mount(0.30, np.radians(pitch), np.radians(roll))
+    camera = replace(kinect_camera(), floor=floor)
     frame = SimulatedKinect(world, camera, KinectModel(dropout=0.05), seed=1).frame()
     return DepthImage.pack(0, 0, "camera", frame, camera, RAW)
 
@@ -76,8 +87,9 @@ def plain_numpy(image: DepthImage, grid: Grid, band: float, robot_height: float)
 
 
 def moving(image: DepthImage) -> Callable[[], object]:
-    """The default methods on frames of which each has another floor plane, as a tracker gives them."""
-    planes = (FloorPlane.from_mount(0.30, 1e-6 * step) for step in count())
+    """The default methods on frames of which each has another floor plane near its own, as a tracker gives them."""
+    height, pitch, roll = image.camera.floor.mount()
+    planes = (FloorPlane.from_mount(height, pitch + 1e-6 * step, roll) for step in count())
 
     def work() -> None:
         camera = replace(image.camera, floor=next(planes))
@@ -91,6 +103,7 @@ def jobs(image: DepthImage) -> dict[str, Callable[[], object]]:
     """What is measured, by name."""
     seen = floor_points(image.depth, image.camera, ALL.range_min, ALL.floor_band)
     tracker = FloorTracker(image.camera.floor)
+    data = depth_codec.encode(image.depth, LEVELS)
     beams = list(beams_by_method(image, ALL, ALL.methods).values())
 
     def fused(config: NegativeConfig) -> Callable[[], object]:
@@ -102,21 +115,24 @@ def jobs(image: DepthImage) -> dict[str, Callable[[], object]]:
         "positive, all of it": lambda: positive_scan(image, POSITIVE),
         "combine all methods": lambda: combine(beams),
         "default: near_edge + positive + fuse": fused(OURS),
+        "floor tracker": lambda: tracker.update(image.depth, image.camera),
         "default, another floor plane in each frame": moving(image),
         "paper: both methods + positive + fuse": fused(PAPER),
         "everything: all methods + positive + fuse": fused(ALL),
         "paper in plain NumPy": lambda: plain_numpy(image, ALL.grid(), ALL.floor_band, POSITIVE.robot_height),
-        "floor tracker": lambda: tracker.update(image.depth, image.camera),
+        "depth to bytes": lambda: depth_codec.encode(image.depth, LEVELS),
+        "bytes to depth": partial(depth_codec.decode, data, LEVELS, image.width, image.height),
     }
 
 
-def medians(work: dict[str, Callable[[], object]], frames: int) -> dict[str, float]:
-    """Median time [ms] of each, all of them in turn."""
+def medians(work: dict[str, Callable[[], object]], frames: int, rest: float) -> dict[str, float]:
+    """Median time [ms] of each, all of them in turn, each after a `rest` [ms]."""
     taken: dict[str, list[float]] = {name: [] for name in work}
     for each in work.values():
         each()
     for _ in range(frames):
         for name, each in work.items():
+            sleep(rest / 1000.0)
             start = perf_counter()
             each()
             taken[name].append(perf_counter() - start)
@@ -134,12 +150,17 @@ def cold_start() -> float:
 def main() -> None:
     """Measure and print."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--frames", type=int, default=200)
-    frames = parser.parse_args().frames
-    columns = {name: medians(jobs(image_of(name.partition(",")[0], pitch)), frames) for name, pitch in WORLDS.items()}
+    parser.add_argument("--frames", type=int, default=40)
+    parser.add_argument("--rest", type=float, default=REST, help="[ms] of sleep before each measurement")
+    options = parser.parse_args()
+    columns = {
+        name: medians(jobs(image_of(name.partition(",")[0], *mount)), options.frames, options.rest)
+        for name, mount in WORLDS.items()
+    }
     rows = [(name, *(f"{column[name]:.3f}" for column in columns.values())) for name in next(iter(columns.values()))]
     console = Console(width=150)
-    console.print(Table("", ("one frame of 640 x 480, median ms", *columns), rows).rich())
+    cache = f"after {options.rest:g} ms of sleep" if options.rest else "with warm caches"
+    console.print(Table("", (f"one frame of 640 x 480, median ms {cache}", *columns), rows).rich())
     console.print(f"first result of a fresh process without compiled kernels: {cold_start():.1f} s")
 
 

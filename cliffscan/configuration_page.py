@@ -16,9 +16,9 @@ INTRODUCTION = """\
 # Configuration
 
 A TOML file changes settings (`--config robot.toml`), and so does an option (`--set negative.range_min=0.2`). The option
-wins. Each service has a table; negative and positive also read the table `scan`, for they must agree on it. All refuse
-an unknown key or a bad value with one line and exit 2. `--dump-config` prints the settings that hold, with these
-comments, as a file that `--config` takes.
+wins. Each service has a table; negative and positive also read the table `scan`, for they must agree on it, and
+perception reads the tables of negative, positive and fuse. All refuse an unknown key or a bad value with one line and
+exit 2. `--dump-config` prints the settings that hold, with these comments, as a file that `--config` takes.
 
 The unit 1 is that of a ratio.
 

@@ -31,6 +31,7 @@ def depth_fields(**changes) -> dict:
     fields = {
         "seq": 7,
         "stamp": 5 * SECOND,
+        "period": 0.1,
         "frame": "camera",
         "width": 3,
         "height": 2,

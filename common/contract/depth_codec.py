@@ -6,6 +6,8 @@ small numbers, folded to unsigned (0, -1, 1, -2 … → 0, 1, 2, 3 …) and spli
 high bytes, are what zstandard compresses.
 """
 
+from collections.abc import Callable
+
 import numpy as np
 import zstandard
 from numpy.typing import NDArray
@@ -14,6 +16,7 @@ RAW = "16UC1"
 LEVELS = "16UC1;levels;zstd"
 ENCODINGS = (LEVELS, RAW)
 
+Bytes = NDArray[np.uint8]
 Depth = NDArray[np.uint16]
 COUNT = np.dtype("<u2")
 MOST = 65_536  # levels there can be; their count is then written as 0
@@ -24,9 +27,12 @@ def encode(depth: Depth, encoding: str) -> bytes:
     if encoding == RAW:
         return depth.astype("<u2", copy=False).tobytes()
     levels, places = _places(np.ascontiguousarray(depth))
-    steps = np.diff(places, axis=1, prepend=np.uint16(0)).view(np.int16)
-    folded = ((steps << 1) ^ (steps >> 15)).view(np.uint16)
-    planes = folded.astype("<u2", copy=False).view(np.uint8).reshape(-1, 2).T
+    steps = places.copy()
+    np.subtract(places[:, 1:], places[:, :-1], out=steps[:, 1:])
+    folded = (steps << 1) ^ (steps.view(np.int16) >> 15).view(np.uint16)
+    planes = np.empty((2, *depth.shape), np.uint8)
+    planes[0] = folded & 0xFF
+    planes[1] = folded >> 8
     header = np.concatenate(([len(levels) % MOST], levels)).astype(COUNT).tobytes()
     return header + zstandard.ZstdCompressor(level=1).compress(planes.tobytes())
 
@@ -42,12 +48,24 @@ def decode(data: bytes, encoding: str, width: int, height: int) -> Depth:
         raise ValueError(f"unknown encoding {encoding!r}, expected one of {', '.join(ENCODINGS)}")
     levels, compressed = _split_header(data)
     planes = np.frombuffer(_decompress(compressed, size), np.uint8).reshape(2, height, width)
-    folded = planes[1].astype(np.uint16) << 8 | planes[0]
-    steps = (folded >> 1) ^ (0 - (folded & 1))
-    places = np.add.accumulate(steps, axis=1, dtype=np.uint16)
-    if places.max() >= len(levels):
-        raise ValueError(f"a pixel names level {places.max()} of {len(levels)}")
-    return levels.take(places, mode="clip")  # twice as fast as levels[places], which looks again
+    of_any_place, depth = np.zeros(MOST, np.uint16), np.empty((height, width), np.uint16)
+    of_any_place[: len(levels)] = levels
+    highest = _levels_loop()(planes[0], planes[1], of_any_place, depth)
+    if highest >= len(levels):
+        raise ValueError(f"a pixel names level {highest} of {len(levels)}")
+    return depth
+
+
+def compile_loops() -> None:
+    """Have decode() compiled before the first image comes."""
+    decode(encode(np.zeros((2, 2), np.uint16), LEVELS), LEVELS, 2, 2)
+
+
+def _levels_loop() -> Callable[[Bytes, Bytes, Depth, Depth], int]:
+    """depth_levels.unfold; numba is loaded only by a process that decodes."""
+    from cliffscan.common.contract.depth_levels import unfold
+
+    return unfold
 
 
 def _places(depth: Depth) -> tuple[Depth, Depth]:

@@ -46,6 +46,7 @@ class DepthImage(Message):
 
     seq: UInt64
     stamp: Stamp  # time of capture
+    period: Annotated[float, limits.PERIOD] = 0.0  # [s] from one frame to the next; 0: not known
     frame: Name
     width: Side
     height: Side
@@ -77,11 +78,21 @@ class DepthImage(Message):
         return self
 
     @classmethod
-    def pack(cls, seq: int, stamp: int, frame: str, depth: NDArray[np.uint16], camera: Camera, encoding: str) -> Self:
+    def pack(
+        cls,
+        seq: int,
+        stamp: int,
+        frame: str,
+        depth: NDArray[np.uint16],
+        camera: Camera,
+        encoding: str,
+        period: float = 0.0,
+    ) -> Self:
         """The message of a depth image (height, width) [mm], in one of the encodings of depth_codec."""
         image = cls.model_construct(
             seq=seq,
             stamp=stamp,
+            period=period,
             frame=frame,
             width=camera.width,
             height=camera.height,

@@ -43,7 +43,7 @@ class ScanConfig(ServiceConfig):
     range_max: Annotated[float, limits.RANGE_MAX] = 10.0
     """Largest distance [m] that is reported."""
     scan_time: Annotated[float, limits.PERIOD] = 1 / 30
-    """Time [s] between two scans."""
+    """Time [s] between two scans of a camera that does not tell its own."""
     floor_band: Annotated[float, Field(gt=0, le=0.5)] = 0.03
     """Height [m] above and below the plane that counts as floor."""
     steepest: Annotated[float, Field(ge=0, le=20)] = 5.0
@@ -93,7 +93,7 @@ def laser_scan(image: DepthImage, beams: Beams, config: ImageScanConfig) -> Lase
         angle_max=grid.angle_max,
         angle_increment=grid.increment,
         time_increment=0.0,
-        scan_time=config.scan_time,
+        scan_time=image.period or config.scan_time,
         range_min=config.range_min,
         range_max=config.reach(image.camera),
         **beams.arrays(),

@@ -4,6 +4,7 @@ import logging
 import threading
 import time
 from collections.abc import Callable, Collection
+from copy import copy
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Generic, Self, TypeVar
@@ -13,7 +14,7 @@ import zenoh
 
 from cliffscan.common.contract.limits import SMALL
 from cliffscan.common.contract.message import Message, MessageError, check_size, unpack
-from cliffscan.common.contract.topics import Qos, Topic, alive, most_bytes
+from cliffscan.common.contract.topics import ROBOT_NAME, Qos, Topic, alive, most_bytes
 from cliffscan.common.runtime import zenoh_config
 from cliffscan.common.runtime.metrics import ServiceMetrics
 from cliffscan.common.runtime.pace import Pace
@@ -26,6 +27,7 @@ ROOM = 256  # samples that may wait for a program that must not miss any
 REQUESTS = 8  # that may wait at a path
 RATE = 200.0  # [Hz] at which the requests at a path are answered
 AGAIN = 0.05  # [s] after which a question that found nothing is put again
+EVERY = "**"  # robot, where a name may have several parts
 LATCH_TIMEOUT = 1.0  # [s] for what is kept to come
 
 PRIORITY = {
@@ -86,11 +88,15 @@ class Bus:
 
     def __init__(self, network: Network, robot: str) -> None:
         """Raises NotConnected where a client finds no router, BusError where the settings make no sense."""
-        self.robot = robot
         self._session = _open(network)
         self._readers = Readers()
         self._metrics = ServiceMetrics()
+        self._begin(robot)
+
+    def _begin(self, robot: str) -> None:
+        self.robot = robot
         self._token: zenoh.LivelinessToken | None = None
+        self._declared: list[Any] = []
 
     def __enter__(self) -> Self:
         return self
@@ -99,17 +105,29 @@ class Bus:
         self._session.close()  # type: ignore[no-untyped-call]
         self._readers.join()
 
+    def beside(self, robot: str) -> Self:
+        """The keys of a robot in the same session, with a token of their own; retract() takes them back."""
+        other = copy(self)
+        other._begin(robot)
+        return other
+
+    def retract(self) -> None:
+        """Take back all that was declared here; what others declared in the session stays."""
+        self.withdraw()
+        while self._declared:
+            self._declared.pop().undeclare()
+
     def publisher(self, topic: Topic[M]) -> Publisher[M]:
         """Declare that messages of `topic` will be published."""
-        return Publisher(
-            self._session.declare_publisher(
-                topic.key(self.robot),
-                encoding=encoding_of(topic),
-                congestion_control=zenoh.CongestionControl.DROP,
-                priority=PRIORITY[topic.qos],
-                express=topic.qos is Qos.REAL_TIME,
-            )
+        publisher = self._session.declare_publisher(
+            topic.key(self.robot),
+            encoding=encoding_of(topic),
+            congestion_control=zenoh.CongestionControl.DROP,
+            priority=PRIORITY[topic.qos],
+            express=topic.qos is Qos.REAL_TIME,
         )
+        self._declared.append(publisher)
+        return Publisher(publisher)
 
     def subscribe(
         self,
@@ -127,12 +145,10 @@ class Bus:
         what is no path.
         """
         prefix = len(self.robot) + 1
-        refuse, ended = refused or self._refused, threading.Event()
+        refuse = refused or self._refused
 
-        def deliver(sample: zenoh.Sample) -> None:
-            if sample.kind != zenoh.SampleKind.PUT or ended.is_set():
-                return
-            at = str(sample.key_expr)[prefix:]
+        def deliver(key: str, sample: zenoh.Sample) -> None:
+            at = key[prefix:]
             try:
                 payload = _bytes(sample.payload, most_bytes(at))
             except MessageError as error:
@@ -140,12 +156,53 @@ class Bus:
             else:
                 receive(at, payload)
 
+        return self._subscribe(f"{self.robot}/{path}", deliver, room, Pace(rate, room) if rate else None)
+
+    def subscribe_robots(
+        self,
+        path: str,
+        receive: Callable[[str, bytes], object],
+        room: int,
+        wanted: Callable[[str], bool],
+        refused: Callable[[str, MessageError], object],
+    ) -> None:
+        """Call `receive(robot, payload)` for the samples on `path` of each robot whose sample is `wanted(robot)`.
+
+        The bus's own robot may be EVERY. What is not wanted is not copied. Otherwise as subscribe().
+        """
+        suffix = len(path) + 1
+
+        def deliver(key: str, sample: zenoh.Sample) -> None:
+            robot = key[:-suffix]
+            if not ROBOT_NAME.fullmatch(robot) or not wanted(robot):
+                return
+            try:
+                payload = _bytes(sample.payload, most_bytes(path))
+            except MessageError as error:
+                refused(robot, error)
+            else:
+                receive(robot, payload)
+
+        self._subscribe(f"{self.robot}/{path}", deliver, room, None)
+
+    def _subscribe(
+        self, key: str, deliver: Callable[[str, zenoh.Sample], None], room: int, pace: Pace | None
+    ) -> Callable[[], None]:
+        """Call `deliver(key, sample)` for every sample that was put, until what is returned is called."""
+        ended = threading.Event()
+
+        def take(sample: zenoh.Sample) -> None:
+            if sample.kind == zenoh.SampleKind.PUT and not ended.is_set():
+                deliver(str(sample.key_expr), sample)
+
         try:
-            source = self._session.declare_subscriber(f"{self.robot}/{path}", zenoh.handlers.RingChannel(room))
+            source = self._session.declare_subscriber(key, zenoh.handlers.RingChannel(room))
         except zenoh.ZError as error:
+            path = key.removeprefix(f"{self.robot}/")
             raise BusError(f"{path!r} is no key: {_first_line(error)}") from error
-        self._readers.read(source, deliver, Pace(rate, room) if rate else None)
-        return ended.set  # its thread waits within the declaration, which therefore goes with the session
+        self._declared.append(source)
+        self._readers.read(source, take, pace)
+        return ended.set
 
     def answer(
         self, path: str, reply: Callable[[dict[str, Any]], dict[str, Any]], except_paths: Collection[str] = ()
@@ -262,7 +319,9 @@ class Bus:
 
         key = f"{self.robot}/{alive('*')}"
         ring: zenoh.handlers.RingChannel[zenoh.Sample] = zenoh.handlers.RingChannel(ROOM)
-        self._readers.read(self._session.liveliness().declare_subscriber(key, ring, history=True), deliver)
+        source = self._session.liveliness().declare_subscriber(key, ring, history=True)
+        self._declared.append(source)
+        self._readers.read(source, deliver)
 
     def _queries(self, key: str, deliver: Callable[[zenoh.Query], None]) -> None:
         """Call `deliver` for the requests at a key; each ends for its asker when it returns."""
@@ -272,6 +331,7 @@ class Bus:
                 deliver(query)
 
         source = self._session.declare_queryable(key, zenoh.handlers.RingChannel(REQUESTS))
+        self._declared.append(source)
         self._readers.read(source, take, Pace(RATE, REQUESTS))
 
     def _refused(self, path: str, why: MessageError) -> None:

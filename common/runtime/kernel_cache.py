@@ -13,7 +13,7 @@ from contextlib import suppress
 from pathlib import Path
 
 VARIABLE = "NUMBA_CACHE_DIR"
-COMMON = Path(__file__).parents[1] / "perception"  # has kernels too
+COMMON = [Path(__file__).parents[1] / folder for folder in ("contract", "perception")]  # have kernels too
 
 log = logging.getLogger(__name__)
 
@@ -21,7 +21,7 @@ log = logging.getLogger(__name__)
 def ensure_writable(package: Iterable[str]) -> None:
     """Have the kernels of a package, given by its `__path__`, kept in a temporary folder where nothing else will do."""
     named = os.environ.get(VARIABLE)
-    beside = [folder / "__pycache__" for folder in (*map(Path, package), COMMON)]
+    beside = [folder / "__pycache__" for folder in (*map(Path, package), *COMMON)]
     user = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "numba"
     if (named and _writable(Path(named))) or _writable(user) or all(map(_writable, beside)):
         return

@@ -1,10 +1,14 @@
 """The command line that every process on the network shares."""
 
 import argparse
+from collections.abc import Callable
 from pathlib import Path
 
 from cliffscan.common.contract.topics import ROBOT_NAME
 from cliffscan.common.runtime.bus import Network
+
+ROBOT = "turtlebot"
+EVERY = "*"  # on the command line
 
 
 def robot_name(text: str) -> str:
@@ -16,16 +20,40 @@ def robot_name(text: str) -> str:
     return text
 
 
-def add_endpoints(parser: argparse.ArgumentParser) -> None:
+def robot_or_every(text: str) -> str:
+    """A name that can begin a key, or EVERY."""
+    return text if text == EVERY else robot_name(text)
+
+
+def add_robot(parser: argparse.ArgumentParser) -> None:
+    """Add --robot."""
+    parser.add_argument("--robot", default=ROBOT, type=robot_name, metavar="NAME", help="prefix of its keys")
+
+
+def add_robots(parser: argparse.ArgumentParser) -> None:
+    """Add a --robot that may be given several times; none is [ROBOT] to robots()."""
+    text = f"prefix of its keys; repeatable; '{EVERY}' is every robot that publishes"
+    parser.add_argument("--robot", action="append", default=[], type=robot_or_every, metavar="NAME", help=text)
+
+
+def robots(options: argparse.Namespace) -> list[str] | None:
+    """The robots of add_robots(), each once; None where every one is meant."""
+    return None if EVERY in options.robot else list(dict.fromkeys(options.robot)) or [ROBOT]
+
+
+Adder = Callable[[argparse.ArgumentParser], None]
+
+
+def add_endpoints(parser: argparse.ArgumentParser, robot: Adder = add_robot) -> None:
     """Add --robot, --connect and --listen."""
-    parser.add_argument("--robot", default="turtlebot", type=robot_name, metavar="NAME", help="prefix of its keys")
+    robot(parser)
     parser.add_argument("--connect", action="append", default=[], metavar="ENDPOINT", help="as tcp/127.0.0.1:7447")
     parser.add_argument("--listen", action="append", default=[], metavar="ENDPOINT", help="as tcp/0.0.0.0:7447")
 
 
-def add_network(parser: argparse.ArgumentParser) -> None:
+def add_network(parser: argparse.ArgumentParser, robot: Adder = add_robot) -> None:
     """Add the endpoints and the rest of Zenoh's options."""
-    add_endpoints(parser)
+    add_endpoints(parser, robot)
     parser.add_argument("--mode", choices=("peer", "client", "router"), help="Zenoh mode")
     parser.add_argument("--zenoh-config", type=Path, metavar="FILE", help="a Zenoh JSON5 file; options override it")
 

@@ -28,10 +28,11 @@ class Readers:
     """
 
     def __init__(self) -> None:
+        self._lock = threading.Lock()
         self._threads: list[threading.Thread] = []
 
     def read(self, source: Any, handle: Callable[[Any], object], pace: Pace | None = None) -> None:  # noqa: ANN401
-        """Call `handle` for all that comes from `source`, a declaration with a ring, until its session is closed."""
+        """Call `handle` for all that comes from `source`, a declaration with a ring, until it or its session ends."""
         self._start(str(source.key_expr), lambda: _run(source, handle, pace))
 
     def once(self, name: str, work: Callable[[], object]) -> None:
@@ -46,8 +47,10 @@ class Readers:
                 thread.join(max(deadline - time.monotonic(), 0.0))
 
     def _start(self, name: str, run: Callable[[], None]) -> None:
-        self._threads.append(threading.Thread(target=run, name=f"bus {name}", daemon=True))
-        self._threads[-1].start()
+        thread = threading.Thread(target=run, name=f"bus {name}", daemon=True)
+        thread.start()
+        with self._lock:
+            self._threads = [each for each in (*self._threads, thread) if each.is_alive()]
 
 
 def guarded(name: str, work: Callable[[], object]) -> None:
@@ -61,13 +64,14 @@ def guarded(name: str, work: Callable[[], object]) -> None:
 
 
 def _run(source: Any, handle: Callable[[Any], object], pace: Pace | None) -> None:  # noqa: ANN401
+    name, ring = str(source.key_expr), source.handler  # who waits in `source` itself keeps it from being taken back
     while True:
         if pace:
             time.sleep(pace.delay(time.monotonic()))
         try:
-            item = source.recv()
-        except zenoh.ZError:  # the session is closed
+            item = ring.recv()
+        except zenoh.ZError:  # the declaration or the session has ended
             return
         if pace:
             pace.spend(time.monotonic())
-        guarded(str(source.key_expr), partial(handle, item))
+        guarded(name, partial(handle, item))

@@ -7,23 +7,25 @@ import signal
 import sys
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from functools import cache
 from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
 from types import FrameType
 from typing import Generic, TypeVar
 
 from cliffscan.common.contract.limits import LONGEST_TEXT
 from cliffscan.common.contract.message import Message, MessageError
-from cliffscan.common.contract.messages import DepthImage, LaserScan, ServiceStatus, State
+from cliffscan.common.contract.messages import ServiceStatus, State
 from cliffscan.common.contract.topics import STATUS, Topic
 from cliffscan.common.runtime import config as configuration
 from cliffscan.common.runtime import options
 from cliffscan.common.runtime.bus import Bus, BusError, Network, NotConnected, Publisher
 from cliffscan.common.runtime.config import ConfigError, ServiceConfig
+from cliffscan.common.runtime.decoder import Decoder
 from cliffscan.common.runtime.latest_queue import LatestQueue
 from cliffscan.common.runtime.metrics import ServiceMetrics
-from cliffscan.common.runtime.stream_order import StreamOrder
 
 C = TypeVar("C", bound=ServiceConfig)
 M = TypeVar("M", bound=Message)
@@ -31,6 +33,7 @@ M = TypeVar("M", bound=Message)
 ROOM = 8  # messages that may wait to be unpacked
 RATE = 200.0  # [Hz] at which messages of a topic are unpacked
 PATIENCE = 0.1  # [s] a wait may last before the service looks whether it should end
+STATUS_PERIOD = 1.0  # [s] between two statuses
 RETRY = 0.5  # [s] between two attempts to reach a router
 USAGE_ERROR = 2
 
@@ -63,7 +66,8 @@ class Service(Generic[C]):
         self.note = ""
         self.state: State = "starting"
         self._stop = stop
-        self._born = time.monotonic()
+        self._status_publisher = bus.publisher(STATUS.named(name))
+        self._born = self._told = time.monotonic()
 
     @property
     def running(self) -> bool:
@@ -83,24 +87,14 @@ class Service(Generic[C]):
 
         No more than RATE are looked at; of others that come meanwhile the newest `room` are kept.
         """
-        order = StreamOrder()
-
-        def refused(path: str, why: MessageError) -> None:
-            self.metrics.warn_limited("malformed", f"{path}: {why}")
+        decoder = Decoder(topic.message, self.metrics)
 
         def arrived(path: str, payload: bytes) -> None:
-            try:
-                message = topic.message.decode(payload)
-            except MessageError as error:
-                refused(path, error)
-                return
-            oddity = order.check(message.seq, message.stamp) if isinstance(message, DepthImage | LaserScan) else None
-            if oddity:
-                self.metrics.warn_limited(oddity.what, f"{path}: {oddity.why}")
-            self.metrics.count("received")
-            accept(message)
+            message = decoder.decode(path, payload)
+            if message is not None:
+                accept(message)
 
-        self.bus.subscribe(topic.path, arrived, room, RATE, refused)
+        self.bus.subscribe(topic.path, arrived, room, RATE, decoder.refused)
 
     def receive_latched(self, topic: Topic[M], accept: Callable[[M], None]) -> None:
         """Call `accept`, from several threads, for every good message that is kept or published; see the bus."""
@@ -133,9 +127,13 @@ class Service(Generic[C]):
     def ready(self) -> None:
         """Announce that the service can do its work; again, after it had to wait for a device."""
         self._stop.patient = True
+        self.announce()
+        log.info("ready, version %s", package_version())
+
+    def announce(self) -> None:
+        """Hold the liveliness token."""
         self.state, self.note = "working", ""
         self.bus.announce(self.name)
-        log.info("ready, version %s", package_version())
 
     def waiting(self, note: str) -> None:
         """The service cannot do its work, because of a device, say: withdraw the token until ready() again."""
@@ -143,13 +141,10 @@ class Service(Generic[C]):
         self.bus.withdraw()
 
     def publish_status(self) -> None:
-        """Publish once a second how the service fares, until it ends."""
-        publisher = self.bus.publisher(STATUS.named(self.name))
-        last = time.monotonic()
-        while not self._stop.wait(1.0):
-            now = time.monotonic()
-            publisher.put(self._status(self.metrics.take_outputs() / (now - last), now - self._born))
-            last = now
+        """Publish how the service fares; its rate is that since the last time."""
+        now = time.monotonic()
+        self._status_publisher.put(self._status(self.metrics.take_outputs() / (now - self._told), now - self._born))
+        self._told = now
 
     def _status(self, rate: float, uptime: float) -> ServiceStatus:
         return ServiceStatus(
@@ -177,22 +172,45 @@ def package_version() -> str:
 
 def main(name: str, kind: type[C], serve: Callable[[Service[C]], None]) -> None:
     """Run a service from the command line until it ends or is asked to; leaves with the process's exit code."""
+
+    def work(arguments: argparse.Namespace, configs: Mapping[str, C]) -> None:
+        run(name, configs[name], options.network(arguments), arguments.robot, serve)
+
+    execute(
+        name,
+        options.add_robot,
+        lambda file, overrides: {name: configuration.load(name, kind, file, overrides)},
+        work,
+    )
+
+
+def execute(
+    name: str,
+    add_robot: options.Adder,
+    load: Callable[[Path | None, Sequence[str]], Mapping[str, C]],
+    work: Callable[[argparse.Namespace, Mapping[str, C]], None],
+) -> None:
+    """Be the process `name`: read the command line and the configuration of its services, work, leave.
+
+    load: as configuration.load, of all services in it by name.
+    """
     parser = argparse.ArgumentParser(prog=f"cliffscan run {name}", description=sys.modules["__main__"].__doc__)
-    options.add_network(parser)
+    options.add_network(parser, add_robot)
     options.add_config(parser)
     options.add_dump_config(parser)
     arguments = parser.parse_args()
     try:
-        config = configuration.load(name, kind, arguments.config, arguments.set)
+        configs = load(arguments.config, arguments.set)
     except ConfigError as error:
         parser.exit(USAGE_ERROR, f"{name}: {error}\n")
     if arguments.dump_config:
-        sys.stdout.write(configuration.dump({name: config}))
+        sys.stdout.write(configuration.dump(configs))
         parser.exit(0)
     logging.basicConfig(level=logging.INFO, format=f"%(asctime)s %(levelname)s {name}: %(message)s")
     try:
-        config.check()
-        run(name, config, options.network(arguments), arguments.robot, serve)
+        for config in configs.values():
+            config.check()
+        work(arguments, configs)
     except (BusError, ConfigError) as error:
         parser.exit(USAGE_ERROR, f"{name}: {error}\n")
     logging.shutdown()
@@ -201,23 +219,43 @@ def main(name: str, kind: type[C], serve: Callable[[Service[C]], None]) -> None:
 
 def run(name: str, config: C, network: Network, robot: str, serve: Callable[[Service[C]], None]) -> None:
     """Serve until SIGTERM or Ctrl-C. Raises BusError where the network cannot be used as asked."""
+
+    def work(bus: Bus, stop: StopSignal) -> None:
+        service = Service(name, config, bus, stop)
+        with reporting(service.publish_status, stop):
+            if service.running:
+                serve(service)
+        log.info("ended: %s", service.metrics.counts())
+
+    on_bus(network, robot, work)
+
+
+def on_bus(network: Network, robot: str, work: Callable[[Bus, StopSignal], None]) -> None:
+    """Do `work` on the bus as soon as there is one, until SIGTERM or Ctrl-C. Raises BusError as Bus does."""
     stop = StopSignal()
     bus = connect(network, robot, stop)
-    if bus is None:
-        return
-    with bus:
-        service = Service(name, config, bus, stop)
-        status = threading.Thread(target=service.publish_status, name="status")
-        status.start()
-        try:
-            stop.patient = False
-            if not stop.is_set():
-                serve(service)
-        finally:
-            stop.patient = True
-            stop.set()
-            status.join()
-        log.info("ended: %s", service.metrics.counts())
+    if bus is not None:
+        with bus:
+            work(bus, stop)
+
+
+@contextmanager
+def reporting(report: Callable[[], None], stop: StopSignal) -> Iterator[None]:
+    """Call `report` once a second meanwhile; until ready() a signal ends the process at once."""
+
+    def repeat() -> None:
+        while not stop.wait(STATUS_PERIOD):
+            report()
+
+    reporter = threading.Thread(target=repeat, name="status")
+    reporter.start()
+    try:
+        stop.patient = False
+        yield
+    finally:
+        stop.patient = True
+        stop.set()
+        reporter.join()
 
 
 def connect(network: Network, robot: str, stop: threading.Event) -> Bus | None:

@@ -135,8 +135,12 @@ def serve(service: Service[CaptureConfig]) -> None:
     """Publish every frame."""
     publisher = service.publisher(topics.DEPTH)
     encoding = LEVELS if service.config.compressed else RAW
-    for seq, (depth, stamp, camera) in enumerate(frames(service)):
-        publisher.put(DepthImage.pack(seq, stamp, service.config.frame, depth, camera, encoding))
+    configured = 1.0 / service.config.rate
+    for seq, (depth, stamp, camera, period) in enumerate(frames(service)):
+        image = DepthImage.pack(
+            seq, stamp, service.config.frame, depth, camera, encoding, configured if period is None else period
+        )
+        publisher.put(image)
         service.metrics.output(stamp)
 
 

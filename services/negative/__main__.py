@@ -2,30 +2,20 @@
 
 from __future__ import annotations
 
-import threading
-
 from cliffscan.common.contract import topics
-from cliffscan.common.perception.scans import WARMUP_IMAGE
 from cliffscan.common.runtime.service import Service, main
 from cliffscan.services.negative.config import NegativeConfig
-from cliffscan.services.negative.methods import METHODS
-from cliffscan.services.negative.scans import negative_scans
+from cliffscan.services.negative.publishers import ScanPublishers
+from cliffscan.services.negative.scans import compile_kernels, negative_scans
 
 
 def serve(service: Service[NegativeConfig]) -> None:
-    """Publish each depth image's combined scan, and that of every method that it is made of or that has subscribers."""
+    """Answer each depth image with the scans of where the floor ends."""
     config = service.config
-    negative_scans(WARMUP_IMAGE, config)
-    compile_others = threading.Thread(target=negative_scans, args=(WARMUP_IMAGE, config, METHODS), daemon=True)
-    compile_others.start()
-    publishers = {method: service.publisher(topics.SCAN_OF_METHOD.named(method)) for method in METHODS}
-    combined = service.publisher(topics.SCAN_NEGATIVE)
+    compile_kernels(config)
+    publishers = ScanPublishers(service)
     for image in service.newest(topics.DEPTH):
-        scans = negative_scans(image, config, [method for method in METHODS if publishers[method].has_subscribers])
-        combined.put(scans.combined)
-        service.metrics.output(image.stamp)
-        for method, scan in scans.by_method.items():
-            publishers[method].put(scan)
+        publishers.publish(negative_scans(image, config, publishers.subscribed()))
 
 
 if __name__ == "__main__":

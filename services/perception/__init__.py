@@ -1,1 +1,1 @@
-"""perception: negative, positive and fuse in one process."""
+"""perception: negative, positive and fuse in one process, for one robot, for several or for all."""

@@ -8,7 +8,7 @@ from cliffscan.common.runtime.config import PROFILES
 from cliffscan.services.fuse.fusion import fuse
 from cliffscan.services.fuse.pairing import Pair
 from cliffscan.services.negative.config import NegativeConfig
-from cliffscan.services.negative.scans import negative_scans
+from cliffscan.services.negative.scans import NegativeScans, negative_scans
 from cliffscan.services.positive.config import PositiveConfig
 from cliffscan.services.positive.scan import positive_scan
 
@@ -38,8 +38,19 @@ class Scans(NamedTuple):
     fused: LaserScan
 
 
+class Unfused(NamedTuple):
+    """The scans of one depth image that fuse takes, and those of negative's methods."""
+
+    positive: LaserScan
+    negative: NegativeScans
+
+
+def sense(image: DepthImage, settings: Settings) -> Unfused:
+    """The scans that negative and positive make of `image`."""
+    return Unfused(positive_scan(image, settings.positive), negative_scans(image, settings.negative, settings.methods))
+
+
 def perceive(image: DepthImage, settings: Settings) -> Scans:
     """All scans of `image`. Raises GridMismatch where positive and negative are configured with different beams."""
-    positive = positive_scan(image, settings.positive)
-    by_method, negative = negative_scans(image, settings.negative, settings.methods)
+    positive, (by_method, negative) = sense(image, settings)
     return Scans(positive, by_method, negative, fuse(Pair(positive, negative), {}))

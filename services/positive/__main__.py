@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from cliffscan.common.contract import topics
+from cliffscan.common.contract.depth_codec import compile_loops
 from cliffscan.common.perception.scans import WARMUP_IMAGE
 from cliffscan.common.runtime.service import Service, main
 from cliffscan.services.positive.config import PositiveConfig
@@ -12,6 +13,7 @@ from cliffscan.services.positive.scan import positive_scan
 
 def serve(service: Service[PositiveConfig]) -> None:
     """Answer each depth image with the scan of what stands on the floor."""
+    compile_loops()
     positive_scan(WARMUP_IMAGE, service.config)
     height = RobotHeight(service)
     publisher = service.publisher(topics.SCAN_POSITIVE)

@@ -1,6 +1,7 @@
 """Real processes on a private router, and a client that knows nothing but the contract."""
 
 import contextlib
+import copy
 import os
 import queue
 import signal
@@ -45,6 +46,15 @@ class Client:
 
     def __init__(self) -> None:
         self.session, self.endpoint = open_router()
+        self._meet()
+
+    def another(self):
+        """A client of another robot on the same router."""
+        other = copy.copy(self)
+        other._meet()
+        return other
+
+    def _meet(self):
         self.robot = f"robot-{uuid.uuid4().hex[:12]}"
         self._alive = {}
         self._changed = threading.Condition()
@@ -213,11 +223,10 @@ def run():
 def start(client, run):
     """Start a service and wait until it is ready."""
 
-    def begin(service, *options, wait=True, where=None, **environment):
+    def begin(service, *options, wait=True, where=None, robots=None, **environment):
         place = ["--connect", client.endpoint] if where is None else where
-        process = run(
-            [sys.executable, "-m", f"services.{service}", "--robot", client.robot, *place, *options], **environment
-        )
+        names = [word for robot in robots or [client.robot] for word in ("--robot", robot)]
+        process = run([sys.executable, "-m", f"services.{service}", *names, *place, *options], **environment)
         if wait:
             client.wait_alive(service)
         return process

@@ -211,3 +211,21 @@ def test_no_thread_outlives_its_session(client):
         started = set(threading.enumerate()) - before
         assert {thread.name.split()[0] for thread in started} == {"bus"}
     assert not [thread for thread in started if thread.is_alive()]
+
+
+def test_what_one_robot_declared_can_be_taken_back_alone(client):
+    with Bus(Network("client", [client.endpoint]), client.robot) as bus:
+        mine, others = bus.beside(client.robot), bus.beside("another")
+        arrived, taken_back = threading.Event(), []
+        mine.subscribe("scan/lidar", lambda *_: taken_back.append(1))
+        bus.subscribe("scan/fused", lambda *_: arrived.set())
+        mine.announce("perception")
+        others.announce("perception")
+        client.wait_alive("perception")
+        mine.retract()
+        client.wait_alive("perception", alive=False)
+        client.put("scan/lidar", b"")
+        client.put("scan/fused", b"")
+        assert arrived.wait(DEADLINE)
+        assert not taken_back
+        assert bus.robots()["another"] == {"perception"}

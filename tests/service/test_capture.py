@@ -48,7 +48,7 @@ def test_a_folder_is_played_once_whole_and_in_order(client, start, folder, compr
     process = start("capture", *replay(folder, **settings), wait=False)
     for number, depth in enumerate(FRAMES):
         message = ear.get()
-        assert message["seq"] == number
+        assert (message["seq"], message["period"]) == (number, 0.01)
         assert (message["encoding"] == "16UC1") == (compressed == "false")
         assert message["floor"] == ([0.0, -0.8, -0.6, 0.5] if number == 1 else list(CAMERA.floor))
         np.testing.assert_array_equal(DepthImage.of(message).depth, depth)

@@ -55,7 +55,7 @@ def test_a_folder_that_others_can_write_to_is_not_used(taken, tmp_path, monkeypa
         usual.touch()
     for variable, value in (("HOME", "/dev/null"), ("XDG_CACHE_HOME", "/dev/null/x"), (kernel_cache.VARIABLE, "")):
         monkeypatch.setenv(variable, value)
-    monkeypatch.setattr(kernel_cache, "COMMON", Path("/dev/null"))
+    monkeypatch.setattr(kernel_cache, "COMMON", [])
     kernel_cache.ensure_writable(["/dev/null"])
     chosen = Path(os.environ[kernel_cache.VARIABLE])
     assert chosen.parent == tmp_path

@@ -37,8 +37,9 @@ class Looking:
             assert time.monotonic() < deadline
 
 
-def test_the_described_height_counts_and_follows_a_change(client, start):
-    start("positive")
+@pytest.mark.parametrize("service", ["positive", "perception"])
+def test_the_described_height_counts_and_follows_a_change(client, start, service):
+    start(service)
     looking = Looking(client)
     assert looking.nearest() == np.inf  # a TurtleBot 2 passes under the bar
     client.put("description", body(0.6))

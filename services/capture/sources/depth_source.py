@@ -9,11 +9,15 @@ from cliffscan.common.contract.camera import Camera
 
 
 class DepthFrame(NamedTuple):
-    """One depth image. depth: (rows, columns) [mm], 0 = no return; stamp: time of capture [ns since the epoch]."""
+    """One depth image. depth: (rows, columns) [mm], 0 = no return; stamp: time of capture [ns since the epoch].
+
+    period [s]: from one frame to the next; None where it is that of the configured rate.
+    """
 
     depth: NDArray[np.uint16]
     stamp: int
     camera: Camera
+    period: float | None = None
 
 
 class SourceLost(Exception):

@@ -25,6 +25,7 @@ Pixels = NDArray[np.uint16]
 Mode = Literal["mm", "11bit"]
 
 FORMATS: dict[Mode, int] = {"mm": libfreenect.DEPTH_MM, "11bit": libfreenect.DEPTH_11BIT}
+PERIOD = 1 / 30  # [s] from one frame to the next
 FARTHEST = 10_000  # [mm] where libfreenect's millimetres end
 NO_DISPARITY = 2047  # raw value of a pixel that saw no pattern
 LARGEST: dict[Mode, int] = {"mm": FARTHEST, "11bit": NO_DISPARITY}
@@ -103,7 +104,7 @@ class Kinect:
         expected = (self._camera.height, self._camera.width)
         if pixels.shape != expected:
             raise BadFrame(f"the Kinect's frame has {pixels.shape} (rows, columns), the camera is set to {expected}")
-        return DepthFrame(millimetres(pixels, self._mode), stamp, self._camera)
+        return DepthFrame(millimetres(pixels, self._mode), stamp, self._camera, PERIOD)
 
     def _drive(self) -> None:
         """The driver's thread: open the stream, serve it until close(), release it."""

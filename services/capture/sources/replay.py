@@ -1,7 +1,10 @@
 """Depth frames from a folder: `camera.json` and one 16-bit PNG per frame, played in order of name."""
 
 import time
+from collections.abc import Sequence
+from itertools import pairwise
 from pathlib import Path
+from statistics import median
 from typing import Annotated
 
 import numpy as np
@@ -25,6 +28,7 @@ from cliffscan.services.capture.sources.depth_source import BadFrame, DepthFrame
 
 Four = tuple[float, float, float, float]
 LEVEL = (0.0, -1.0, 0.0, 0.3)  # a floor below any camera
+LONGEST_PERIOD = 1e4  # [s] that a message can tell
 GREY_16 = ("I;16", "I;16B", "I;16L")
 
 
@@ -80,13 +84,15 @@ class CameraFile(FrameOverride):
 class Replay:
     """Plays a depth folder at `rate` [Hz], once or in a loop.
 
-    Frames are stamped when they are played, unless camera.json has stamps; then a second round goes on from the
-    last stamp of the first. Raises ConfigError where the folder cannot be used.
+    Frames are stamped when they are played, unless camera.json has a stamp for each; then a second round goes on from
+    the last stamp of the first. Raises ConfigError where the folder cannot be used.
     """
 
     def __init__(self, folder: Path, rate: float, loop: bool) -> None:
         self._file = read_camera(folder)
         self._images = images_of(folder)
+        self._stamps = recorded_stamps(folder, self._file, self._images)
+        self._recorded_period = usual_step(self._stamps)
         self._period = 1.0 / rate
         self._loop = loop
         self._next = 0
@@ -105,17 +111,17 @@ class Replay:
         self._due = max(self._due + self._period, time.monotonic())
         image = self._images[place]
         camera = self._file.camera_of(image.stem)
-        return DepthFrame(read_depth(image, camera.width, camera.height), self._stamp(image.stem, round_), camera)
+        depth = read_depth(image, camera.width, camera.height)
+        return DepthFrame(depth, self._stamp(place, round_), camera, self._recorded_period)
 
     def close(self) -> None:
         """Nothing is held."""
 
-    def _stamp(self, frame: str, round_: int) -> int:
-        recorded = {name: each.stamp for name, each in self._file.frames.items() if each.stamp is not None}
-        if frame not in recorded:
+    def _stamp(self, place: int, round_: int) -> int:
+        if not self._stamps:
             return time.time_ns()
-        lap = max(recorded.values()) - min(recorded.values()) + round(self._period * 1e9)
-        return recorded[frame] + round_ * lap
+        lap = max(self._stamps) - min(self._stamps) + round((self._recorded_period or self._period) * 1e9)
+        return self._stamps[place] + round_ * lap
 
 
 def open_configured(config: CaptureConfig) -> Replay:
@@ -129,6 +135,27 @@ def images_of(folder: Path) -> list[Path]:
     if not images:
         raise ConfigError(f"{folder}: no PNG in it")
     return images
+
+
+def recorded_stamps(folder: Path, file: CameraFile, images: Sequence[Path]) -> list[int]:
+    """The recorded stamp [ns] of each image; none where no image has one. Raises ConfigError where only some have.
+
+    Recorded and present times in one stream would send its consumers back and forth by years.
+    """
+    of_all = {image.stem: file.frames.get(image.stem, FrameOverride()).stamp for image in images}
+    bare = [name for name, stamp in of_all.items() if stamp is None]
+    if bare and len(bare) < len(of_all):
+        raise ConfigError(
+            f"{folder / 'camera.json'}: {len(bare)} of {len(of_all)} frames have no stamp, {bare[0]} first:"
+            " give each frame one, or none"
+        )
+    return [stamp for stamp in of_all.values() if stamp is not None]
+
+
+def usual_step(stamps: Sequence[int]) -> float | None:
+    """The median time [s] between two stamps [ns] in a row, as much as a message can tell; None of fewer than two."""
+    steps = [abs(after - before) * 1e-9 for before, after in pairwise(stamps)]
+    return min(median(steps), LONGEST_PERIOD) if steps else None
 
 
 def read_camera(folder: Path) -> CameraFile:

@@ -118,10 +118,28 @@ def test_a_long_delay_is_not_made_up_for(folder, clock):
 
 def test_a_frames_own_values_override_the_folders(tmp_path, clock):
     own = {"stamp": 5, "intrinsics": [5, 6, 1, 2], "floor": [0, -0.6, -0.8, 0.5]}
-    first, second = frames_of(Replay(depth_folder(tmp_path, 2, frames={"001": own}), 30, loop=False), 2)
+    frames = {"000": {"stamp": 4}, "001": own}
+    first, second = frames_of(Replay(depth_folder(tmp_path, 2, frames=frames), 30, loop=False), 2)
     assert (second.stamp, second.camera.intrinsics, second.camera.floor) == (5, (5, 6, 1, 2), (0, -0.6, -0.8, 0.5))
     assert first.camera.floor == (0, -1, 0, 0.3)
-    assert first.stamp == NOW
+    assert first.stamp == 4
+
+
+def test_some_stamps_are_refused_for_recorded_and_present_times_do_not_mix(tmp_path):
+    folder = depth_folder(tmp_path, frames={"000": {"stamp": 5}, "002": {"stamp": 6}})
+    reason = r"camera\.json: 1 of 3 frames have no stamp, 001 first: give each frame one, or none"
+    with pytest.raises(ConfigError, match=reason):
+        Replay(folder, 30, loop=False)
+
+
+def test_the_period_is_that_of_the_recorded_stamps(tmp_path, clock):
+    frames = {f"{n:03}": {"stamp": 7000 + n * SECOND // 5} for n in range(3)}
+    source = Replay(depth_folder(tmp_path, 3, frames=frames), 30, loop=False)
+    assert [frame.period for frame in frames_of(source, 3)] == [pytest.approx(0.2)] * 3
+
+
+def test_without_stamps_the_period_is_that_of_the_rate(folder):
+    assert [frame.period for frame in frames_of(Replay(folder, 10, loop=False), 2)] == [None, None]
 
 
 def test_stamps_go_on_from_round_to_round(tmp_path, clock):

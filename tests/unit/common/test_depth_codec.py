@@ -1,5 +1,8 @@
 """Depth images come back from their bytes bit by bit; bytes that hold none are refused with a ValueError."""
 
+import subprocess
+import sys
+
 import numpy as np
 import pytest
 import zstandard
@@ -8,7 +11,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import array_shapes, arrays
 
 from cliffscan.common.contract.depth_codec import ENCODINGS, LEVELS, RAW, decode, encode
-from tests import scenes
+from tests import naive_codec, scenes
 
 shapes = array_shapes(min_dims=2, max_dims=2, min_side=2, max_side=24)
 
@@ -63,6 +66,41 @@ def test_how_an_image_lies_in_memory_does_not_matter(encoding, order):
     depth = np.random.default_rng(1).integers(0, 5000, (14, 20)).astype(np.uint16, order=order)
     assert_lossless(depth, encoding)
     assert_lossless(depth[::2, ::-3], encoding)
+
+
+@given(st.data())
+def test_bytes_and_depths_are_those_of_the_slow_twin(data):
+    depth = data.draw(arrays(np.uint16, shapes))
+    assert_as_the_twin(depth)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_all_depths_there_are_make_the_bytes_of_the_slow_twin(seed):
+    depth = np.random.default_rng(seed).permuted(np.arange(65536, dtype=np.uint16).reshape(128, 512))
+    assert_as_the_twin(depth)
+
+
+def test_a_kinects_frame_makes_the_bytes_of_the_slow_twin():
+    assert_as_the_twin(scenes.depth(scenes.camera(160, 120), [scenes.HOLE]))
+
+
+def assert_as_the_twin(depth):
+    rows, columns = depth.shape
+    data = encode(depth, LEVELS)
+    assert data == naive_codec.encode(depth)
+    np.testing.assert_array_equal(decode(data, LEVELS, columns, rows), naive_codec.decode(data, columns, rows))
+
+
+def test_a_process_that_only_encodes_loads_no_compiler():
+    code = (
+        "import sys, numpy as np\n"
+        "from cliffscan.common.contract.depth_codec import LEVELS, encode\n"
+        "import cliffscan.services.capture.__main__, cliffscan.services.capture.sources.replay\n"
+        "import cliffscan.services.capture.sources.kinect\n"
+        "encode(np.zeros((2, 2), np.uint16), LEVELS)\n"
+        "assert 'numba' not in sys.modules"
+    )
+    subprocess.run([sys.executable, "-c", code], check=True, timeout=60)
 
 
 def test_the_levels_come_first_ascending_and_little_endian():

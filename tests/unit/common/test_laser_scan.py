@@ -44,6 +44,11 @@ def test_a_scan_tells_of_its_frame_and_its_grid():
     assert scan.scan_time == pytest.approx(1 / 30)
 
 
+def test_the_scan_time_is_the_period_that_a_frame_tells():
+    told = image().model_copy(update={"period": 0.1})
+    assert laser_scan(told, beams(1, 2, INF, NAN, 3), CONFIG).scan_time == 0.1
+
+
 def test_numbers_free_beams_and_unseen_ones_stay_what_they_are():
     scan = laser_scan(image(), beams(1, 2, INF, NAN, 3), CONFIG)
     assert_array_equal(scan.ranges, np.float32([1, 2, INF, NAN, 3]))

@@ -47,7 +47,7 @@ def test_the_pixels_of_a_foreign_frame_run_by_rows_from_the_top_left():
     assert (image.camera.intrinsics.fx, image.camera.intrinsics.fy) == (3.0, 2.5)
 
 
-OPTIONAL = {"clear", "noise", "baseline", "region"}
+OPTIONAL = {"clear", "noise", "baseline", "region", "period"}
 
 
 def test_a_frame_that_does_not_describe_its_sensor_is_a_kinects():
@@ -67,6 +67,10 @@ def test_a_region_that_is_not_in_the_image_is_refused(region):
 def test_a_sensor_that_cannot_be_is_refused(name, value):
     with pytest.raises(MessageError, match=name):
         decode(DepthImage, **{name: value})
+
+
+def test_a_frame_that_does_not_tell_its_period_has_none():
+    assert decode(DepthImage, period=GONE).period == 0.0
 
 
 @pytest.mark.parametrize(("kind", "name"), [pair for pair in FIELDS if pair[1] not in OPTIONAL])

@@ -114,12 +114,10 @@ def test_a_service_is_ready_when_its_subscription_stands(service):
     assert service.state == "working"
 
 
-def test_a_status_tells_counts_rate_and_latency(service, monkeypatch):
+def test_a_status_tells_counts_rate_and_latency(service):
     service.metrics.count("received", 60)
     for _ in range(30):
         service.metrics.output(0)
-    rounds = iter([False, True])
-    monkeypatch.setattr(service.stop, "wait", lambda _timeout: next(rounds))
     service.publish_status()
     (told,) = service.bus.said["status/positive"]
     assert (told.service, told.state, told.counts) == ("positive", "starting", {"received": 60, "published": 30})

@@ -7,6 +7,7 @@ import pytest
 from numpy.testing import assert_array_equal
 
 from cliffscan.services.fuse import __main__ as module
+from cliffscan.services.fuse import fuser
 from cliffscan.services.fuse.config import FuseConfig
 from tests import build
 from tests.build import SECOND, scan
@@ -27,7 +28,7 @@ class Clock:
 @pytest.fixture
 def clock(monkeypatch):
     clock = Clock()
-    monkeypatch.setattr(module, "time", clock)
+    monkeypatch.setattr(fuser, "time", clock)
     return clock
 
 
@@ -36,7 +37,7 @@ class Rig:
 
     def __init__(self, config):
         self.service = build.service("fuse", config)
-        self.fuser = module.Fuser(self.service)
+        self.fuser = fuser.Fuser(self.service)
 
     def take(self, name, stamp, ranges=(1.0, INF)):
         self.fuser.take(name, scan(list(ranges), stamp=stamp))

@@ -39,9 +39,9 @@ def assert_traced_alike(depth, camera, every=5):
     order = rows_outward(seen.region, lines, criteria.far)
     if not len(order):
         return set()
-    heights, *span = heights_along(seen, lines, order)
-    ends, *traced = floor_trace(heights, order, lines, *span, height, single(criteria))
-    view = naive_trace.View(lines, *span)
+    heights, in_view = heights_along(seen, lines, order)
+    ends, *traced = floor_trace(heights, order, lines, in_view, height, single(criteria))
+    view = naive_trace.View(lines, in_view)
     for line in range(0, len(ends), every):
         slow = naive_trace.floor_trace(heights, order, view, height, criteria, line)
         fast = End(int(ends[line])), *(each[line] for each in traced)

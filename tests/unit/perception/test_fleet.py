@@ -1,0 +1,111 @@
+"""Which robots perception serves, and for how long."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from cliffscan.services.perception import fleet as module
+from cliffscan.services.perception.configs import load
+from cliffscan.services.perception.fleet import SILENCE, Fleet
+from cliffscan.services.perception.turns import MOST
+from tests import build
+
+
+class Bus(build.Bus):
+    """The buses of several robots; `of` has them by name."""
+
+    def __init__(self, robot="", of=None):
+        super().__init__()
+        self.robot, self.of = robot, {} if of is None else of
+        self.retracted = 0
+
+    def beside(self, robot):
+        return self.of.setdefault(robot, Bus(robot, self.of))
+
+    def retract(self):
+        self.retracted += 1
+
+
+def image(stamp):
+    return build.payload(build.depth_fields(stamp=stamp, data=np.full(6, 900, "<u2").tobytes()))
+
+
+@pytest.fixture
+def clock(monkeypatch):
+    clock = SimpleNamespace(now=100.0)
+    clock.monotonic = lambda: clock.now
+    monkeypatch.setattr(module, "time", clock)
+    return clock
+
+
+@pytest.fixture
+def bus():
+    return Bus()
+
+
+@pytest.fixture
+def every(bus, clock):
+    """A Fleet for every robot."""
+    return Fleet(bus, None, load(None, ["scan.beams=8"]), build.Stop())
+
+
+def stamps(bus, robot):
+    return [scan.stamp for scan in bus.of[robot].said["scan/fused"]]
+
+
+def test_a_robot_is_served_from_its_first_good_image_on(every, bus):
+    every._take("a", [b"no image"])
+    assert "a" not in bus.of
+    every._take("a", [b"no image", image(7)])
+    every._take("a", [image(8)])
+    assert stamps(bus, "a") == [7, 8]
+    assert set(bus.of["a"].announced) == {"negative", "positive", "fuse", "perception"}
+
+
+def test_a_silent_robot_is_left_and_served_again_when_it_comes_back(every, bus, clock):
+    every._take("a", [image(7)])
+    clock.now += SILENCE - 1.0
+    every._take("b", [image(7)])
+    clock.now += 2.0
+    every._leave_silent()
+    assert (bus.of["a"].retracted, bus.of["b"].retracted) == (4, 0)
+    every.publish_statuses()
+    assert not bus.of["a"].said["status/fuse"]
+    assert len(bus.of["b"].said["status/fuse"]) == 1
+    every._take("a", [image(9)])
+    assert stamps(bus, "a") == [7, 9]
+
+
+def test_a_robot_that_was_named_is_never_left(bus, clock):
+    fleet = Fleet(bus, ["a"], load(None, []), build.Stop())
+    fleet._add("a")
+    clock.now += 10 * SILENCE
+    fleet._leave_silent()
+    assert bus.of["a"].retracted == 0
+
+
+def test_only_the_newest_of_several_images_is_answered(every, bus):
+    every._take("a", [image(7)])
+    every._take("a", [image(8), image(9)])
+    every.publish_statuses()
+    assert stamps(bus, "a") == [7, 9]
+    for part in ("negative", "positive", "perception"):
+        (told,) = bus.of["a"].said[f"status/{part}"]
+        assert told.counts == {"received": 3, "overtaken": 1, "published": 2}
+
+
+def test_more_robots_than_can_be_served_are_told_of(every, bus, caplog):
+    for number in range(MOST + 1):
+        every._take(f"r{number}", [image(7)])
+    assert f"r{MOST}" not in bus.of
+    assert f"r{MOST}: {MOST} robots are served already" in caplog.text
+
+
+def test_no_more_samples_of_a_robot_are_taken_than_its_rate_allows(every, clock):
+    taken = 0
+    for _ in range(1000):
+        clock.now += 0.0005
+        taken += every._wanted("flood")
+    assert taken == pytest.approx(0.5 * module.RATE + module.BURST, abs=2)
+    assert every._wanted("another")
