@@ -28,6 +28,11 @@ NORMAL = np.array(  # equally likely normal deviates: a ticket into them costs a
 )
 
 
+def draw_tickets(shape: tuple[int, ...], rng: np.random.Generator) -> NDArray[np.uint16]:
+    """A place in NORMAL for each pixel."""
+    return rng.integers(1 << TICKET_BITS, size=shape, dtype=np.uint16)
+
+
 @dataclass(frozen=True, kw_only=True)
 class SensorModel(ABC):
     """How far a sensor falls short of the exact depth. Raises ValueError for a value that means nothing."""
@@ -69,7 +74,7 @@ class KinectModel(SensorModel):
 
     def millimetres(self, inverse: Image, reach: tuple[float, float], rng: np.random.Generator) -> Millimetres:
         """See SensorModel."""
-        tickets = rng.integers(1 << TICKET_BITS, size=inverse.shape, dtype=np.uint16)
+        tickets = draw_tickets(inverse.shape, rng)
         reported = np.empty(inverse.shape, dtype=np.uint16)
         quantise(inverse, tickets, NORMAL, self.noise, self.step, *reach, reported)
         return reported

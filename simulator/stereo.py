@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numba import njit
 
-from cliffscan.simulator.kinect import NORMAL, Image, Millimetres, SensorModel, quantise
+from cliffscan.simulator.kinect import NORMAL, Image, Millimetres, SensorModel, draw_tickets, quantise
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -23,7 +23,7 @@ class StereoModel(SensorModel):
     def millimetres(self, inverse: Image, reach: tuple[float, float], rng: np.random.Generator) -> Millimetres:
         """See SensorModel."""
         matched = window_means(inverse, self.window)
-        errors = window_means(rng.standard_normal(inverse.shape, dtype=np.float32), self.window)
+        errors = window_means(NORMAL[draw_tickets(inverse.shape, rng)], self.window)
         matched += np.float32(self.noise) * (2 * self.window + 1) * errors  # a mean of n² errs by 1/n of one
         matched[inverse == 0.0] = 0.0
         reported = np.empty(inverse.shape, dtype=np.uint16)
@@ -31,23 +31,27 @@ class StereoModel(SensorModel):
         return reported
 
 
+@njit(cache=True)
 def window_means(values: Image, window: int) -> Image:
     """The mean of what is not 0 in the window of 2 window + 1 px around each pixel, (rows, cols); 0 where all is."""
-    there = (values != 0.0).astype(np.float32)
-    total, count = (window_sums(window_sums(each, window).T, window).T for each in (values, there))
-    return np.divide(total, count, out=np.zeros_like(values), where=count > 0.0)
-
-
-@njit(cache=True)
-def window_sums(values: Image, window: int) -> Image:
-    """The sums over 2 window + 1 values along each row, fewer at its ends."""
     rows, cols = values.shape
-    sums = np.empty((rows, cols), dtype=np.float32)
-    cumulated = np.empty(cols + 1, dtype=np.float64)
-    cumulated[0] = 0.0
-    for v in range(rows):
-        for u in range(cols):
-            cumulated[u + 1] = cumulated[u] + values[v, u]
-        for u in range(cols):
-            sums[v, u] = cumulated[min(u + window + 1, cols)] - cumulated[max(u - window, 0)]
-    return sums
+    means = np.zeros((rows, cols), dtype=np.float32)
+    sums, counts = np.zeros(cols), np.zeros(cols)  # of the window's rows, by column
+    for v in range(-window, rows):
+        if v + window < rows:
+            for u in range(cols):
+                sums[u] += values[v + window, u]
+                counts[u] += values[v + window, u] != 0.0
+        if v - window > 0:
+            for u in range(cols):
+                sums[u] -= values[v - window - 1, u]
+                counts[u] -= values[v - window - 1, u] != 0.0
+        if v >= 0:
+            total, count = sums[:window].sum(), counts[:window].sum()
+            for u in range(cols):
+                total += sums[u + window] if u + window < cols else 0.0
+                count += counts[u + window] if u + window < cols else 0.0
+                means[v, u] = total / count if count > 0.5 else 0.0
+                total -= sums[u - window] if u >= window else 0.0
+                count -= counts[u - window] if u >= window else 0.0
+    return means

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cliffscan.simulator.kinect import Image, Millimetres, SensorModel
+from cliffscan.simulator.kinect import NORMAL, Image, Millimetres, SensorModel, draw_tickets
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -23,6 +23,6 @@ class TimeOfFlightModel(SensorModel):
         near, far = reach
         depth = np.reciprocal(inverse, out=np.zeros_like(inverse), where=inverse > 0.0)
         deviation = np.float32(self.noise) * (1.0 + np.float32(self.growth) * (depth - 1.0))
-        measured = depth + deviation * rng.standard_normal(depth.shape, dtype=np.float32)
+        measured = depth + deviation * NORMAL[draw_tickets(depth.shape, rng)]
         seen = (inverse > 0.0) & (measured >= near) & (measured <= far)
         return np.where(seen, np.rint(1000.0 * measured), 0.0).astype(np.uint16)

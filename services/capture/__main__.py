@@ -126,7 +126,7 @@ def located(
             tracker = FloorTracker(nominal)
         floor = tracker.update(frame.depth, frame.camera)
         service.note = "; ".join(filter(None, (standing(), tracker.note)))
-        if tracker.note:
+        if not tracker.measured:
             service.metrics.count("floor_kept")
         yield frame._replace(camera=replace(frame.camera, floor=floor))
 

@@ -18,9 +18,9 @@ Depth = NDArray[np.uint16]
 Flags = NDArray[np.bool_]
 Grid = NDArray[np.int64]
 
-VIEWS = 3  # mutually different ones in which a border must be the same
+VIEWS = 3
 WIDEST = 8  # a border is at most this part of the image
-BESIDE = 120  # and the strip inside it, that must be full of returns, this part
+BESIDE = 60  # and the strip inside it, that must be full of returns, this part
 FULL = 0.7  # share of a strip's length with returns from which on it is full
 CELLS = 6, 8  # rows and columns of the grid by which views are compared
 SAMPLES = 6  # rows and columns of pixels that are looked at in each cell
@@ -29,9 +29,13 @@ MOST = 0.5  # share of the cells in which views must differ
 
 
 class RegionLearner:
-    """Learns the region of one sensor from its pictures. Its cost ends where every pixel's row and column returned."""
+    """Learns the region of one sensor from its pictures. Its cost ends where every row and column has returned.
 
-    def __init__(self) -> None:
+    views: mutually different ones in which a border must be the same; 1 where somebody knows that there is no hole.
+    """
+
+    def __init__(self, views: int = VIEWS) -> None:
+        self._needed = views
         self._sides: list[_Side] = []
         self._shape = 0, 0
 
@@ -39,7 +43,7 @@ class RegionLearner:
         """The pixels that can carry a return, after one more picture (rows, columns) [mm]; None while all may."""
         if depth.shape != self._shape:
             self._shape = rows, columns = depth.shape[0], depth.shape[1]
-            self._sides = [_Side(columns), _Side(rows), _Side(columns), _Side(rows)]
+            self._sides = [_Side(size, self._needed) for size in (columns, rows, columns, rows)]
         if not any(side.margin for side in self._sides):
             return None
         turned = [depth.T, depth, depth.T[::-1], depth[::-1]]  # each side on top
@@ -59,22 +63,22 @@ class RegionLearner:
 
 
 class _Side:
-    """One side of the image, which lies on top in the pictures that are given. size: [px] rows of these."""
+    """One side of the image, on top in the pictures that are given. size: [px] rows of these; needed: views."""
 
-    def __init__(self, size: int) -> None:
-        self._size = size
+    def __init__(self, size: int, needed: int) -> None:
+        self._size, self._needed = size, needed
         self.margin = size  # rows that have never returned anything
         self._views: list[Grid] = []
 
     @property
     def open(self) -> bool:
         """Whether more views may show that this side's margin is a border."""
-        return 0 < self.margin <= self._size // WIDEST and len(self._views) < VIEWS
+        return 0 < self.margin <= self._size // WIDEST and len(self._views) < self._needed
 
     @property
     def border(self) -> int:
         """Rows that cannot carry a return."""
-        return self.margin if len(self._views) == VIEWS else 0
+        return self.margin if len(self._views) == self._needed else 0
 
     def grow(self, picture: Depth) -> None:
         """Take in where a picture has returns."""

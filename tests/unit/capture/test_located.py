@@ -32,7 +32,7 @@ def service():
 
 
 def test_the_floor_is_measured_around_the_frames_own(service):
-    (found,) = floors(service, frame(FLOOR, FloorPlane.from_mount(0.33, 0.05, -0.03)))
+    (found,) = floors(service, frame(FLOOR, FloorPlane.from_mount(0.32, 0.05, -0.03)))
     assert found == pytest.approx(TRUE, abs=1e-3)
     assert service.note == ""
 

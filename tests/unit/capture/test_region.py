@@ -72,6 +72,13 @@ def test_each_side_is_learnt_by_itself():
     assert learnt(cut(each, upper) for each in pictures)[-1] == upper
 
 
+def test_where_somebody_knows_that_there_is_no_hole_one_view_is_enough():
+    learner = RegionLearner(views=1)
+    picture = cut(np.full((480, 640), 1000, np.uint16), BORDER)
+    assert learner.update(picture) == BORDER
+    assert learner.update(np.full_like(picture, 1000)) is None
+
+
 def test_a_sensor_without_a_border_has_none():
     assert not any(learnt(views()))
 

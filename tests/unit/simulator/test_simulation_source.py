@@ -40,11 +40,12 @@ def source(server):
 
 def test_a_frame_arrives_with_its_stamp_and_the_mounts_floor(server, source):
     server.offer(wire.pack(HEADER, DEPTH))
-    depth, stamp, camera = source.read(DEADLINE)
+    depth, stamp, camera, _ = source.read(DEADLINE)
     np.testing.assert_array_equal(depth, DEPTH)
     assert stamp == HEADER["stamp"]
     assert (camera.width, camera.height, camera.range, camera.floor) == (640, 480, (0.5, 4.5), FLOOR)
     assert list(camera.intrinsics) == HEADER["intrinsics"]
+    assert (camera.noise, camera.baseline) == (HEADER["noise"], HEADER["baseline"])
 
 
 def test_no_frame_in_time_is_none(source):
