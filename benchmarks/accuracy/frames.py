@@ -11,12 +11,11 @@ from benchmarks.accuracy.cases import Case, camera_of, scene_of
 from cliffscan.common.contract.camera import Camera, scan_axes
 from cliffscan.services.capture.floor.tracker import FloorTracker
 from cliffscan.simulator.faces import Faces, pack
-from cliffscan.simulator.kinect import Image, KinectModel, Millimetres, returns
+from cliffscan.simulator.kinect import Image, Millimetres, SensorModel, measure, returns
 from cliffscan.simulator.rasteriser import depth_image
 from evaluation.scenes.mounts import moved, pose
 from evaluation.scenes.polygons import contains
 from evaluation.scenes.scene import Scene
-from evaluation.sensors.model import Measure
 
 KNOWN, UNKNOWN, WOBBLING = "known", "unknown", "wobbling"
 PLANES = (KNOWN, UNKNOWN, WOBBLING)
@@ -41,8 +40,9 @@ class Frame(NamedTuple):
 class Sensor:
     """A noisy sensor before a scene."""
 
-    def __init__(self, scene: Scene, rng: np.random.Generator, measure: Measure) -> None:
-        self.scene, self._rng, self._measure = scene, rng, measure
+    def __init__(self, scene: Scene, rng: np.random.Generator, model: SensorModel) -> None:
+        self.scene, self._rng = scene, rng
+        self._model = replace(model, dropout=scene.dropout, grazing=scene.grazing)
         self._faces: Faces = pack(scene.faces)
 
     def exact(self, camera: Camera) -> Image:
@@ -52,14 +52,13 @@ class Sensor:
     def frame(self, camera: Camera) -> Millimetres:
         """A frame as the sensor reports it: (rows, cols) [mm]."""
         exact = self.exact(camera)
-        model = KinectModel(dropout=self.scene.dropout, grazing=self.scene.grazing, baseline=camera.baseline)
-        inverse = returns(exact, camera, model)
+        inverse = returns(exact, camera, self._model)
         if self.scene.glossy:
             inverse[self._mirrored(exact, camera)] = 0.0
         left, top, right, bottom = camera.region
         returning = np.zeros_like(inverse)
         returning[top : bottom + 1, left : right + 1] = inverse[top : bottom + 1, left : right + 1]
-        return self._measure(returning, camera, model, self._rng)
+        return measure(returning, camera, self._model, self._rng)
 
     def _mirrored(self, exact: Image, camera: Camera) -> np.ndarray[tuple[int, ...], np.dtype[np.bool_]]:
         """Which pixels show the floor within a glossy patch: (rows, cols)."""
@@ -74,7 +73,7 @@ class Sensor:
 def frames_of(case: Case, plane: str) -> Iterator[Frame]:
     """The frames of a case that are scored in a plane mode; those of a wrong plane once more with it tracked."""
     camera, rng = camera_of(case), case.rng(plane)
-    sensor = Sensor(scene_of(case), rng, case.setup.measure)
+    sensor = Sensor(scene_of(case), rng, case.setup.model(camera))
     if plane == KNOWN:
         yield Frame(sensor.frame(camera), camera, camera, plane)
     elif plane == UNKNOWN:

@@ -36,7 +36,7 @@ The setups:
 - *level*: a Kinect 0.30 m high; *mounted*: one 0.2 to 1.0 m high, pitched up to 35° and rolled up to 3°; *glossy*: as
   level, over floor with patches that return nothing, which no single frame tells from a hole.
 - *rolled*: as mounted, at any roll. *stereo*: as mounted, a D4xx with 0.08 to 0.12 px of noise that neighbours share,
-  and small steps smeared. *flight*: as mounted, a time-of-flight camera with flying pixels. Their noise is told.
+  and edges smeared. *flight*: as mounted, a time-of-flight camera. Their noise is told.
 - *border*: as level or as mounted, with up to 23 rows and 15 columns at the border that return nothing, and are told.
 - *ramps*: as level, ramps down of 3 to 5° whose crest is 2.8 to 3.2 m ahead and whose surface is seen from any angle.
 - *corners* and *tips*: as level; the drop beams are those with 10 to 20 cm and with 5 to 10 cm of hole.

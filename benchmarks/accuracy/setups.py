@@ -8,14 +8,15 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cliffscan.common.contract.camera import Camera, Region
-from cliffscan.simulator.kinect import kinect_camera, measure
+from cliffscan.common.contract.camera import Camera, FloorPlane, Intrinsics, Region
+from cliffscan.simulator.kinect import KinectModel, SensorModel, kinect_camera
+from cliffscan.simulator.sensor_models import MODELS
+from cliffscan.simulator.sensors import sensor_camera
+from cliffscan.simulator.stereo import StereoModel
 from evaluation.scenes import drops, safe
 from evaluation.scenes.drops import Span
 from evaluation.scenes.mounts import any_mount
 from evaluation.scenes.scene import Scene
-from evaluation.sensors import stereo, time_of_flight
-from evaluation.sensors.model import Measure
 from evaluation.truth.scene_truth import LONG, SHORTEST
 from evaluation.truth.sight import floor_in_sight
 
@@ -30,6 +31,9 @@ OPENINGS: tuple[Build, ...] = (drops.hole, drops.stairwell)  # that have corners
 BUILD: dict[str, Build] = {build.__name__: build for build in (*DROPS, *SAFE, safe.glossy, safe.ramp_ahead)}
 
 ANY_ROLL = 180.0  # [deg]
+STEREO_SIZE, STEREO_RANGE, STEREO_BASELINE = (848, 480), (0.3, 6.0), 0.05  # [px], [m], [m]
+FOCALS, ERRORS, SUBPIXELS = (640.0, 900.0), (0.08, 0.12), 32  # [px], [px] of disparity, its steps in a pixel
+FLIGHT = "kinect_v2"
 FLAT_HEIGHTS, FLAT_PITCHES = (0.2, 1.5), (-5.0, 60.0)  # [m], [deg]
 FAN = np.radians(np.linspace(-29.0, 29.0, 59))  # [rad] of which some beam must see floor
 BOTTOM_BORDER, OTHER_BORDER = (4, 24), (0, 16)  # [px] without returns
@@ -48,13 +52,27 @@ def rolled(rng: Rng) -> Camera:
 
 def stereo_mount(rng: Rng) -> Camera:
     """A D4xx anywhere on a robot."""
-    focal, error = rng.uniform(*stereo.FOCALS), rng.uniform(*stereo.ERRORS)
-    return any_mount(rng, partial(stereo.stereo_camera, focal, error))
+    focal, error = rng.uniform(*FOCALS), rng.uniform(*ERRORS)
+    return any_mount(rng, partial(stereo_camera, focal, error))
+
+
+def stereo_camera(focal: float, error: float, height: float, pitch: float, roll: float) -> Camera:
+    """A D4xx of that focal length [px] and error [px] of its disparity; height [m], pitch down and roll right [rad]."""
+    (across, upright), floor = STEREO_SIZE, FloorPlane.from_mount(height, pitch, roll)
+    centre = Intrinsics(focal, focal, (across - 1) / 2, (upright - 1) / 2)
+    noise = error / (STEREO_BASELINE * focal)
+    return Camera(across, upright, centre, STEREO_RANGE, floor, noise, STEREO_BASELINE)
+
+
+def stereo_model(camera: Camera) -> StereoModel:
+    """How that camera errs."""
+    step = 1.0 / (SUBPIXELS * camera.baseline * camera.intrinsics.fx)
+    return StereoModel(noise=camera.noise, step=step, baseline=camera.baseline)
 
 
 def flight_mount(rng: Rng) -> Camera:
     """A time-of-flight camera anywhere on a robot."""
-    return any_mount(rng, time_of_flight.flight_camera)
+    return any_mount(rng, partial(sensor_camera, FLIGHT))
 
 
 def bordered(rng: Rng) -> Camera:
@@ -81,7 +99,7 @@ class Setup(NamedTuple):
     camera: Callable[[Rng], Camera]
     drops: tuple[Build, ...] = DROPS
     safe: tuple[Build, ...] = SAFE
-    measure: Measure = measure
+    model: Callable[[Camera], SensorModel] = lambda _camera: KinectModel()
     lengths: Span = LONG  # [m] of hole along a beam whose edge must be found
 
     def kind(self, number: int) -> str:
@@ -98,8 +116,8 @@ SETUPS: dict[str, Setup] = {
     MOUNTED: Setup(any_mount),
     GLOSSY: Setup(level, drops=(), safe=(safe.glossy,)),
     "rolled": Setup(rolled),
-    "stereo": Setup(stereo_mount, measure=stereo.measure),
-    "flight": Setup(flight_mount, measure=time_of_flight.measure),
+    "stereo": Setup(stereo_mount, model=stereo_model),
+    "flight": Setup(flight_mount, model=lambda _camera: MODELS[FLIGHT]),
     "border": Setup(bordered),
     "ramps": Setup(level, drops=(), safe=(safe.ramp_ahead,)),
     "corners": Setup(level, OPENINGS, (), lengths=(CORNER, SHORTEST)),

@@ -3,12 +3,13 @@
 import numpy as np
 import pytest
 
-from benchmarks.accuracy.cases import Case, camera_of, some_cases
-from benchmarks.accuracy.frames import KNOWN, PLANES, SETTLING, UNKNOWN, WOBBLE_FRAMES, WOBBLING, frames_of
+from benchmarks.accuracy.cases import Case, camera_of, scene_of, some_cases
+from benchmarks.accuracy.frames import KNOWN, PLANES, SETTLING, UNKNOWN, WOBBLE_FRAMES, WOBBLING, Sensor, frames_of
 from benchmarks.accuracy.measure import EVERY, measure
 from benchmarks.accuracy.report import report
 from benchmarks.accuracy.rows import worst
 from benchmarks.accuracy.setups import BUILD, LEVEL, MOUNTED, SETUPS
+from cliffscan.simulator.kinect import KinectModel
 from evaluation.tables import write_csv
 
 SCAN = "virtual_floor"
@@ -108,3 +109,13 @@ def test_frames_are_the_same_again():
         one, other = next(frames_of(CASES[1], plane)), next(frames_of(CASES[1], plane))
         assert np.array_equal(one.depth, other.depth)
         assert one.camera == other.camera
+
+
+@pytest.mark.parametrize("group", ["stereo", "flight"])
+def test_a_sensor_has_the_noise_that_its_camera_tells(group):
+    (frame,) = frames_of(Case("open_floor", 1, group), KNOWN)
+    exact = Sensor(scene_of(Case("open_floor", 1, group)), np.random.default_rng(1), KinectModel()).exact(frame.true)
+    near = (frame.depth > 0) & (exact > 0.7) & (exact < 1.2)
+    off = 1.0 / (frame.depth[near] * 1e-3) - 1.0 / exact[near]
+    assert near.sum() > 1000
+    assert off.std() == pytest.approx(frame.camera.noise, rel=0.35)

@@ -21,7 +21,7 @@ SEEDS = range(6)
 def traced(case):
     """For each beam, the heights and distances [m] of the pixels nearest to its middle, from the bottom row up."""
     camera = camera_of(case)
-    depth = Sensor(scene_of(case), case.rng("test"), case.setup.measure).exact(camera)
+    depth = Sensor(scene_of(case), case.rng("test"), case.setup.model(camera_of(case))).exact(camera)
     forward, left, up = (axis.table() for axis in scan_axes(camera))
     azimuth = np.arctan2(left, forward)
     column = np.stack([np.interp(-ANGLES, -row, np.arange(camera.width)) for row in azimuth])
@@ -61,7 +61,10 @@ def returns_before_edge(case):
     """Of the three pixels of floor before each edge that must be found, how many return light."""
     camera, scene = camera_of(case), scene_of(case)
     truth = truth_of(scene, camera, ANGLES)
-    kept = returns(Sensor(scene, case.rng("test"), case.setup.measure).exact(camera), camera, KinectModel()) > 0
+    kept = (
+        returns(Sensor(scene, case.rng("test"), case.setup.model(camera_of(case))).exact(camera), camera, KinectModel())
+        > 0
+    )
     left, top, right, bottom = camera.region
     kept[:top], kept[bottom + 1 :], kept[:, :left], kept[:, right + 1 :] = False, False, False, False
     angles, edge = ANGLES[truth.drop], truth.edge[truth.drop]
@@ -102,7 +105,7 @@ def test_nothing_is_undecidable_without_a_ramp(kind):
 def grazing_losses(case):
     """Per beam the distance [m] of the last pixel that returns light, of a sensor that loses nothing but by angle."""
     camera = camera_of(case)
-    depth = Sensor(scene_of(case), case.rng("test"), case.setup.measure).exact(camera)
+    depth = Sensor(scene_of(case), case.rng("test"), case.setup.model(camera_of(case))).exact(camera)
     kept = returns(depth, camera, KinectModel(baseline=0.0, grazing=scene_of(case).grazing)) > 0
     forward, left, _ = (axis.table() for axis in scan_axes(camera))
     middle = camera.width // 2

@@ -1,1 +1,0 @@
-"""Depth sensors beside the simulator's Kinect: their cameras, and how they spoil an exact image."""
