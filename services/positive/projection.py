@@ -11,7 +11,7 @@ from numba import njit
 
 from cliffscan.common.contract.beam_fields import Ranges
 from cliffscan.common.contract.beam_grid import Grid
-from cliffscan.common.perception.beam_reduction import LOOKED, NOTHING, Indices, beam_reduction, min_per_beam
+from cliffscan.common.perception.beam_reduction import LOOKED, NOTHING, min_per_beam
 from cliffscan.common.perception.floor_points import FloorPoints, Metres
 from cliffscan.services.positive.first_sight import first_floor
 
@@ -27,21 +27,17 @@ def projection(points: FloorPoints, grid: Grid, floor_band: float, robot_height:
     one of the paper; robot_height [m] above the floor plane. +inf where a beam saw floor, or below it, and nothing in
     the way; NaN where it saw neither: what is higher than the robot tells nothing of what stands below it.
     """
-    reduction = beam_reduction(points.region, grid)
     outward = 1 if points.region.up.rows[0] < points.region.up.rows[1] else -1
     band, height, steepest = np.float32(floor_band), np.float32(robot_height), np.float32(slope)
     level, seen = first_floor(points.heights, points.distances, outward, band, steepest)
-    standing = brought_down(
-        points.heights, points.distances, reduction.starts, outward, band, height, steepest, level, seen
-    )
-    return min_per_beam(standing, reduction)
+    standing = brought_down(points.heights, points.distances, outward, band, height, steepest, level, seen)
+    return min_per_beam(standing, points.region, grid)
 
 
 @njit(cache=True)
 def brought_down(
     heights: Metres,
     distances: Metres,
-    starts: Indices,
     outward: int,
     floor_band: np.float32,
     robot_height: np.float32,
@@ -49,31 +45,25 @@ def brought_down(
     level: Metres,
     seen: Metres,
 ) -> Metres:
-    """The nearest such point [m] of each column, in each stretch: (stretches, columns).
+    """How far away [m] each pixel's point is where it stands in the way: (rows, columns).
 
     outward: 1 where rows lead away from the robot, or -1; level, seen [m]: how high the floor of each column is and how
     far it was seen, (columns,) each; they are kept up to date in place.
     """
-    stretches, columns = len(starts) - 1, heights.shape[1]
-    nearest = np.full((stretches, columns), NOTHING)
-    for index in range(stretches):
-        stretch = index if outward > 0 else stretches - 1 - index
-        first, last = starts[stretch], starts[stretch + 1] - 1
-        for step in range(last + 1 - first):
-            row = first + step if outward > 0 else last - step
-            for column in range(columns):
-                height, distance, lv, far = heights[row, column], distances[row, column], level[column], seen[column]
-                further = distance - far
-                further = further if further > ZERO else ZERO
-                highest = lv + slope * (further if further < ACROSS else ACROSS)
-                standing = height > highest + floor_band
-                value = distance if standing else LOOKED
-                value = value if height <= robot_height else NOTHING
-                before = nearest[stretch, column]
-                nearest[stretch, column] = value if value < before else before
-                floor = (height <= highest + floor_band) & (height >= -floor_band)
-                here = height if height > ZERO else ZERO
-                here = here if here < highest else highest
-                level[column] = here if floor & (height <= highest + CLOSE) else lv
-                seen[column] = far + (further if floor else ZERO)
-    return nearest
+    rows, columns = heights.shape
+    standing = np.empty_like(distances)
+    for index in range(rows):
+        row = index if outward > 0 else rows - 1 - index
+        for column in range(columns):
+            height, distance, lv, far = heights[row, column], distances[row, column], level[column], seen[column]
+            further = max(distance, far) - far
+            highest = lv + slope * min(further, ACROSS)
+            limit = highest + floor_band
+            value = distance if height > limit else LOOKED
+            standing[row, column] = value if height <= robot_height else NOTHING
+            floor = (height <= limit) & (height >= -floor_band)
+            here = min(max(height, ZERO), highest)
+            # without `+ ZERO` the compiler makes masked stores of it, which are slow on some processors
+            level[column] = here if floor & (height <= highest + CLOSE) else lv + ZERO
+            seen[column] = far + (further if floor else ZERO)
+    return standing
