@@ -34,6 +34,11 @@ class FloorPoints:
         near, far = (np.uint16(min(round(limit / MILLIMETRE), FARTHEST)) for limit in self.region.camera.range)
         return max(near, np.uint16(1)), far
 
+    @cached_property
+    def millimetres(self) -> Millimetres:
+        """The depths [mm] of the region's pixels: (rows, columns)."""
+        return self.region.of(self.depth)
+
     @property
     def heights(self) -> Metres:
         """Above the floor plane [m], of the region's pixels (rows, columns); NaN without a usable return."""
@@ -48,7 +53,7 @@ class FloorPoints:
     def _points(self) -> tuple[Metres, Metres]:
         region = self.region
         return _measure(
-            region.of(self.depth),
+            self.millimetres,
             region.up.single(),
             region.forward.single(),
             region.left.single(),
