@@ -125,8 +125,8 @@ def near_edge(
     order = rows_outward(region, criteria.far)
     if not order:
         return np.full(grid.beams, math.nan), np.zeros(grid.beams), np.zeros(grid.beams)
-    heights, first, last = heights_along(points, lines, np.array(order, np.int32))
-    view = naive_trace.View(lines, first, last)
+    heights, in_view = heights_along(points, lines, np.array(order, np.int32))
+    view = naive_trace.View(lines, in_view)
     traced = [naive_trace.floor_trace(heights, order, view, height, criteria, line) for line in range(many)]
     ends, rows, levels, sure, sure_levels = (list(values) for values in zip(*traced, strict=True))
     beyond = 2 if order[-1] > order[0] else -2
@@ -141,7 +141,7 @@ def near_edge(
         ranges[line] if sure[line] == rows[line] else place(region, lines, line, sure[line], float(sure_levels[line]))
         for line in range(many)
     ]
-    doubt(ends, ranges, first, grid.increment / each, floor_lost)
+    doubt(ends, ranges, in_view.first, grid.increment / each, floor_lost)
     beams = [worst(range(beam * each, (beam + 1) * each), ends, ranges, clear) for beam in range(grid.beams)]
     told, evidence, free = zip(*beams, strict=True)
     return np.array(told), np.array(evidence), np.array(free)

@@ -11,7 +11,7 @@ from cliffscan.common.contract.camera import Camera, scan_axes
 from cliffscan.common.perception.floor_points import METRES
 from cliffscan.services.negative import floor_following as of_trace
 from cliffscan.services.negative import shadow as of_shadow
-from cliffscan.services.negative.beam_lines import BeamLines
+from cliffscan.services.negative.beam_lines import BeamLines, InView
 from cliffscan.services.negative.floor_following import End, FloorCriteria
 
 f32 = np.float32
@@ -49,24 +49,24 @@ def filled(heights: np.ndarray, index: int, line: int, step: f32) -> f32:
 
 
 class View(NamedTuple):
-    """The lines, and the first and last row in which each has floor in view, as heights_along has them."""
+    """The lines, and the rows in which each has floor in view, as heights_along has them."""
 
     lines: BeamLines
-    first: np.ndarray
-    last: np.ndarray
+    in_view: InView
 
 
 class Sensor:
     """What one line's ray does in a row, and what the sensor makes of it."""
 
     def __init__(self, view: View, order: np.ndarray, camera_height: f32, criteria: FloorCriteria, line: int) -> None:
-        self.lines, self.first, self.last, self.line = view.lines, view.first[line], view.last[line], line
+        self.lines, self.line = view.lines, line
+        self.first, due, self.last = (rows[line] for rows in view.in_view)
         self.height, self.criteria = camera_height, FloorCriteria(*map(f32, criteria))
         self.downward = f32(1) if order[0] > order[-1] else f32(-1)  # the way that rows go toward the robot
         self.per_row = abs(self.lines.fall_step[line]) / camera_height
-        nearest = camera_height / max(self.fall(self.first), self.criteria.grazing)
+        nearest = camera_height / max(self.fall(due), self.criteria.grazing)
         spacing = of_trace.SKIPPED_ROWS * nearest * nearest * self.per_row
-        self.latest = nearest + max(of_trace.SKIPPED_LENGTH, spacing)
+        self.latest = nearest + max(of_trace.SKIPPED_LENGTH, spacing) if due >= 0 else f32(0)
 
     def begun(self, row: int) -> bool:
         return (self.first - row) * self.downward >= 0

@@ -5,6 +5,7 @@ of the image, from the robot outward. So a camera may lean and look down as it l
 sees in a column.
 """
 
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -21,9 +22,11 @@ Rows = NDArray[np.int32]
 
 APART = 0.01  # [m] of floor between two rows that are looked at, where the image has more
 MOST_LINES = 4  # for each column
+BELOW = np.float32(0.03)  # [m] the floor, what is nearer than range_min is no part of the robot
 ASLANT = 30.0  # [columns] per row, by which a line may lean at most
 BESIDE = np.float32(1.0)  # [columns] beside the outermost ones' middles: half a pixel, and half a beam
 NOWHERE = np.float32(-1.0)  # a row
+ZERO, HALF = np.float32(0.0), np.float32(0.5)
 
 
 class BeamLines(NamedTuple):
@@ -52,18 +55,24 @@ def lines_per_beam(region: ImageRegion, grid: Grid) -> int:
 
 def beam_lines(region: ImageRegion, grid: Grid, each: int) -> BeamLines:
     """`each` lines of every beam of `grid`, side by side."""
-    between = ((np.arange(each) + 0.5) / each - 0.5) * grid.increment
-    azimuths = (grid.angles()[:, None] + between).ravel()
+    azimuths, cos, sin = _directions(grid, each)
     with np.errstate(all="ignore"):  # a line that leans as rows do has no column in each
         column, step = azimuth_lines(region, azimuths)
         leads = (np.abs(azimuths) < ABREAST) & (np.abs(step) <= ASLANT) & (np.abs(column) < np.float64(1e6))
     column, step = np.where(leads, column, -2.0 * BESIDE), np.where(leads, step, 0.0)
     forward, left = _along(region.forward, column, step), _along(region.left, column, step)
-    cos, sin = np.cos(azimuths), np.sin(azimuths)
     ahead, ahead_step = (f * cos + s * sin for f, s in zip(forward, left, strict=True))
     rise, rise_step = _along(region.up, column, step)
     lines = (column, step, ahead, ahead_step, -rise, -rise_step)
     return BeamLines(*(value.astype(np.float32) for value in lines))
+
+
+@lru_cache(maxsize=8)
+def _directions(grid: Grid, each: int) -> tuple[Floats, Floats, Floats]:
+    """The azimuths [rad] of the lines, their cosines and their sines."""
+    between = ((np.arange(each) + 0.5) / each - 0.5) * grid.increment
+    azimuths = (grid.angles()[:, None] + between).ravel()
+    return azimuths, np.cos(azimuths), np.sin(azimuths)
 
 
 def _along(axis: Affine, column: Floats, step: Floats) -> tuple[Floats, Floats]:
@@ -88,11 +97,18 @@ def rows_outward(region: ImageRegion, lines: BeamLines, far: float) -> Rows:
     return chosen
 
 
-def heights_along(points: FloorPoints, lines: BeamLines, order: Rows) -> tuple[Metres, Metres, Metres]:
+class InView(NamedTuple):
+    """Of each line the rows in which its floor is in the image and in the sensor's range; (lines,) each, -1 = none."""
+
+    first: Metres  # nearest to the robot
+    due: Metres  # by which floor must be seen: the first beyond what may be parts of the robot
+    last: Metres
+
+
+def heights_along(points: FloorPoints, lines: BeamLines, order: Rows) -> tuple[Metres, InView]:
     """Heights [m] above the plane along the lines in the rows of `order`, (rows, lines); NaN = no usable return.
 
-    With them the first and the last of these rows in which a line's floor is in the image and no nearer than the
-    sensor measures or the robot reaches; (lines,), -1 = none.
+    What is nearer than range_min may be a part of the robot, and is no return, unless it lies below the floor.
     """
     region = points.region
     return _heights_along(
@@ -122,26 +138,39 @@ def _heights_along(
     range_min: np.float32,
     lines: BeamLines,
     order: Rows,
-) -> tuple[Metres, Metres, Metres]:
+) -> tuple[Metres, InView]:
     many = len(lines.column)
     heights = np.empty((len(order), many), np.float32)
-    first, last = np.full(many, NOWHERE), np.full(many, NOWHERE)
-    for index in range(len(order)):
-        row = order[index]
-        at, up_row, start = np.float32(row), up.rows[row], strides.origin + row * strides.down
+    first, due, last = np.full(many, NOWHERE), np.full(many, NOWHERE), np.full(many, NOWHERE)
+    pixels, reach, depths = np.empty(many, np.int32), np.empty(many, np.float32), np.empty(many, np.uint16)
+    up_at_0, up_step = up.columns[0], up.columns[1] - up.columns[0]
+    low, high, last_column = -BESIDE, np.float32(columns - 1) + BESIDE, np.float32(columns - 1)
+    for index in range(len(order)):  # three loops over the lines, for the processor's vectors: only one reads pixels
+        at, up_row = np.float32(order[index]), up.rows[order[index]] + up_at_0
+        start = strides.origin + order[index] * strides.down
         for u in range(many):
             across = lines.column[u] + at * lines.column_step[u]
             ahead = lines.ahead[u] + at * lines.ahead_step[u]
             fall = lines.fall[u] + at * lines.fall_step[u]
-            inside = (across >= -BESIDE) & (across < columns - 1 + BESIDE) & (ahead > np.float32(0.0))
-            column = int(np.floor(across + np.float32(0.5))) if inside else 0
-            column = min(max(column, 0), columns - 1)
-            depth = millimetres[start + column * strides.right]
+            before, late, beyond = first[u], due[u], last[u]
+            inside = (across >= low) & (across < high) & (ahead > ZERO)
+            column = np.floor(across + HALF)
+            column = column if column > ZERO else ZERO
+            column = column if column < last_column else last_column
+            pixels[u] = np.int32(column)
+            reach[u] = ahead if inside else NOWHERE
+            floor = inside & (fall > ZERO) & (camera_height >= nearest * fall)
+            ours = camera_height * ahead < range_min * fall
+            due[u] = at if floor & (late < ZERO) & (not ours) else late
+            first[u] = at if floor & (before < ZERO) else before
+            last[u] = at if floor else beyond
+        for u in range(many):
+            depths[u] = millimetres[start + pixels[u] * strides.right]
+        for u in range(many):
+            depth, ahead = depths[u], reach[u]
             metres = np.float32(depth) * METRES
-            usable = inside & (near <= depth) & (depth <= far) & (metres * ahead >= range_min)
-            heights[index, u] = metres * (up.columns[column] + up_row) + camera_height if usable else np.nan
-            floor = inside & (fall > np.float32(0.0))
-            floor = floor & (camera_height >= nearest * fall) & (camera_height * ahead >= range_min * fall)
-            first[u] = at if floor & (first[u] < np.float32(0.0)) else first[u]
-            last[u] = at if floor else last[u]
-    return heights, first, last
+            height = metres * (up_step * np.float32(pixels[u]) + up_row) + camera_height
+            ours = (metres * ahead < range_min) & (height > -BELOW)
+            usable = (ahead > ZERO) & (near <= depth) & (depth <= far) & (not ours)
+            heights[index, u] = height if usable else np.float32(np.nan)
+    return heights, InView(first, due, last)

@@ -28,7 +28,7 @@ import numpy as np
 from numba import njit
 
 from cliffscan.common.perception.floor_points import Metres
-from cliffscan.services.negative.beam_lines import NOWHERE, BeamLines, Rows
+from cliffscan.services.negative.beam_lines import NOWHERE, BeamLines, InView, Rows
 
 N = TypeVar("N", float, np.float32)
 f32 = np.float32
@@ -65,7 +65,7 @@ def single(criteria: FloorCriteria[float]) -> FloorCriteria[np.float32]:
 # One gate a test, in this file for numba's sake: it compiles them in, and compiles anew when this file changes.
 # Below the floor: a drop, or a step down that may be driven
 BELOW_SIGMAS = f32(6.0)  # a height that is lower by more sigmas of noise is below,
-HOLE_LENGTH = f32(0.2)  # [m] or by what a hole so long along the beam shows of its far side,
+HOLE_LENGTH = f32(0.1)  # [m] or by what a hole so long along the beam shows of its far side,
 HOLE_SHARE = f32(0.6)  # this share of what geometry has it,
 UNEVEN = f32(0.012)  # [m] and no less than a flat floor rises and falls from row to row, and sensors err
 DEEP_SIGMAS = f32(4.0)  # far below, if by a step and more sigmas than that
@@ -138,7 +138,8 @@ def allowances(
 def latest_depth(fall: np.float32, camera_height: np.float32, spread: np.float32, grazing: np.float32) -> np.float32:
     """Depth [m] by which a line must show floor, lest it be another: of its own nearest, and a little.
 
-    fall: as in `allowances`, in its nearest row; spread [1/m]: metres of depth from row to row, per square metre of it.
+    fall: as in `allowances`, in the row in which it is due; spread [1/m]: metres of depth from row to row, per square
+    metre of it.
     """
     nearest = camera_height / max(fall, grazing)
     return nearest + max(SKIPPED_LENGTH, SKIPPED_ROWS * nearest * nearest * spread)
@@ -193,8 +194,7 @@ def floor_trace(
     heights: Metres,
     order: Rows,
     lines: BeamLines,
-    first: Metres,
-    last: Metres,
+    in_view: InView,
     camera_height: np.float32,
     criteria: FloorCriteria[np.float32],
 ) -> tuple[Metres, Metres, Metres, Metres, Metres]:
@@ -202,7 +202,7 @@ def floor_trace(
 
     The first row is where floor was last seen or, of a drop before any floor, the first that was looked at; the second
     is up to where floor was seen without a gap or a doubt; -1 = nowhere.
-    heights, order, lines, first, last: as heights_along has them; camera_height [m]; criteria: in single precision.
+    heights, order, lines, in_view: as heights_along has them; camera_height [m]; criteria: in single precision.
     """
     near, far, noise, grazing, step = criteria.near, criteria.far, criteria.noise, criteria.grazing, criteria.step
     many = heights.shape[1]
@@ -219,10 +219,13 @@ def floor_trace(
     usual, fallen = np.zeros(many, np.float32), np.zeros(many, np.float32)
     outward = ONE if order[0] > order[-1] else -ONE  # how many rows nearer is the row of the next higher number
     spread, latest = np.empty(many, np.float32), np.empty(many, np.float32)
-    fall_at_0, fall_step, from_row, to_row = lines.fall.copy(), lines.fall_step.copy(), first.copy(), last.copy()
+    fall_at_0, fall_step = lines.fall.copy(), lines.fall_step.copy()
+    first, last = in_view.first.copy(), in_view.last.copy()
     for u in range(many):
         spread[u] = abs(lines.fall_step[u]) / camera_height
-        latest[u] = latest_depth(lines.fall[u] + first[u] * lines.fall_step[u], camera_height, spread[u], grazing)
+        due = in_view.due[u]
+        nearest = latest_depth(fall_at_0[u] + due * fall_step[u], camera_height, spread[u], grazing)
+        latest[u] = nearest if due >= ZERO else ZERO
     per_deviation = ONE / (camera_height * camera_height)
     at = ZERO
     for index in range(len(order)):
@@ -232,7 +235,7 @@ def floor_trace(
             height, ended, last_row, last_sure = filled[u], end[u], floor_row[u], sure_row[u]
             last_level, last_incline, last_rough = level[u], incline[u], roughness[u]
             below, deep, above = rows_below[u], rows_deep[u], rows_above[u]
-            begun = (from_row[u] - at) * outward >= ZERO
+            begun = (first[u] - at) * outward >= ZERO
             active, started, missing = (ended < ZERO) & begun, last_row >= ZERO, height != height
             doubtful = last_sure != last_row
 
@@ -243,7 +246,7 @@ def floor_trace(
             rows_since = (last_row - at) * outward if started else ONE
             since = rows_since * depth * depth * spread[u]
             falling = last_incline if last_incline < ZERO else ZERO
-            in_range = (rate > ZERO) & (depth <= far) & (rate >= grazing) & ((at - to_row[u]) * outward >= ZERO)
+            in_range = (rate > ZERO) & (depth <= far) & (rate >= grazing) & ((at - last[u]) * outward >= ZERO)
             in_range = in_range & ((not missing) | (rate + falling >= grazing))
             looking = active & in_range & (depth >= near)
 

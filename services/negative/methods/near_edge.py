@@ -78,14 +78,17 @@ def near_edge(points: FloorPoints, grid: Grid, criteria: FloorCriteria[float], f
     if not len(order):
         nothing = np.zeros(grid.beams, np.float32)
         return Beams(ranges=np.full(grid.beams, np.nan, np.float32), intensities=nothing, clear=nothing)
-    heights, first, last = heights_along(points, lines, order)
-    traced = floor_trace(heights, order, lines, first, last, np.float32(height), single(criteria))
+    heights, in_view = heights_along(points, lines, order)
+    traced = floor_trace(heights, order, lines, in_view, np.float32(height), single(criteria))
     end, row, *_ = traced
     lost = np.flatnonzero(end == End.NO_RETURN)
     if len(lost):
         end[lost[in_shadow(points, lines, lost, row[lost], order)]] = End.OCCLUDED
     ranges, clear = locate_edges(*traced, lines, height)
-    reject_unreliable(end, ranges, first, grid.increment / each, floor_lost == "counts", floor_lost != "ignored")
+    reject_unreliable(
+        end, ranges, in_view.first, grid.increment / each, floor_lost == "counts", floor_lost != "ignored"
+    )
+    ranges = np.maximum(ranges, points.range_min)  # as near as a scan reports
     return beams_of_lines(end.astype(np.int8), ranges, clear, each)
 
 

@@ -8,8 +8,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from benchmarks.accuracy.cases import BUILD, Case
+from benchmarks.accuracy.cases import Case
 from benchmarks.accuracy.frames import KNOWN, frames_of
+from benchmarks.accuracy.setups import BUILD
 from cliffscan.common.contract.camera import FloorPlane
 from cliffscan.common.perception.floor_points import floor_points
 from cliffscan.services.negative.beam_lines import beam_lines, heights_along, rows_outward
@@ -39,9 +40,9 @@ def assert_traced_alike(depth, camera, every=5):
     order = rows_outward(seen.region, lines, criteria.far)
     if not len(order):
         return set()
-    heights, *span = heights_along(seen, lines, order)
-    ends, *traced = floor_trace(heights, order, lines, *span, height, single(criteria))
-    view = naive_trace.View(lines, *span)
+    heights, in_view = heights_along(seen, lines, order)
+    ends, *traced = floor_trace(heights, order, lines, in_view, height, single(criteria))
+    view = naive_trace.View(lines, in_view)
     for line in range(0, len(ends), every):
         slow = naive_trace.floor_trace(heights, order, view, height, criteria, line)
         fast = End(int(ends[line])), *(each[line] for each in traced)

@@ -185,3 +185,23 @@ def test_a_kerb_whose_face_is_smeared_into_a_slope_is_a_drop(fall, smear, noise)
     assert not np.isposinf(beams.ranges).any()
     assert (beams.clear < start + smear + 0.3).all()
     assert np.isfinite(beams.ranges).mean() > 0.9
+
+
+def test_a_part_of_the_robot_in_view_costs_nothing_but_a_hole_there_is_told():
+    camera, config = kinect_camera(), NegativeConfig(range_min=0.95)
+    arm = scenes.depth(camera, boxes=[(0.75, -0.1, 0.0, 0.8, 0.1, 0.05)], wall=60.0)
+    hole = scenes.depth(camera, [(0.75, -5.0, -0.4, 1.6, 5.0, 0.0)], wall=60.0)
+    clear = beams_by_method(seen_by_kinect(arm, camera, seed=1), config, ["near_edge"])["near_edge"].clear
+    told = beams_by_method(seen_by_kinect(hole, camera, seed=1), config, ["near_edge"])["near_edge"]
+    assert (clear > 2.0).mean() > 0.9
+    assert (told.ranges == np.float32(0.95)).mean() > 0.95
+    assert (told.clear < 0.95).all()
+
+
+@pytest.mark.parametrize("start", [0.78, 0.9])
+def test_near_the_robot_a_hole_is_found_that_is_10_cm_long(start):  # a corner's last beams cross no more
+    camera = kinect_camera()
+    depth = scenes.depth(camera, [(start, -5.0, -0.4, start + 0.1, 5.0, 0.0)], wall=60.0)
+    beams = beams_by_method(seen_by_kinect(depth, camera, seed=1), NegativeConfig(), ["near_edge"])["near_edge"]
+    assert np.isfinite(beams.ranges).mean() > 0.95
+    assert (beams.clear * np.cos(NegativeConfig().grid().angles()) < start + 0.1).mean() > 0.95
