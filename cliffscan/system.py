@@ -104,7 +104,7 @@ class Plan:
         """The simulation's options: its camera is capture's. Raises ConfigError."""
         camera = self.camera()
         mount = ["--height", camera.height, "--pitch", camera.pitch, "--roll", camera.roll]
-        ends = ["--world", self.world, "--frames", f"{self.folder}/frames"]
+        ends = ["--world", self.world, "--frames", f"{self.folder}/frames", "--sensor", camera.sensor]
         return [*ends, *map(str, mount), "--rate", str(camera.rate), "--seed", str(camera.seed), *self.simulation]
 
     def own(self, service: str) -> list[str]:

@@ -1,11 +1,9 @@
-"""How well scans find where the floor ends, and what they report where nobody knows the truth: figures and tables."""
+"""How well scans find where the floor ends, in figures and tables."""
 
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
-import numpy as np
-
-from cliffscan.common.contract.beam_fields import Beams, Ranges
+from cliffscan.common.contract.beam_fields import Beams
 from evaluation.score import ON_DROP, WRONG, Tally, Verdict, percentile
 from evaluation.tables import Table, number, percent
 from evaluation.truth.beam_truth import Truth
@@ -28,11 +26,6 @@ it, and the sensor could measure a point there: within its image and its range.
 `paper` combines farthest_point and virtual_floor (algorithm 3).
 """
 EDGE_HEADINGS = ("world", "scan", "median [m]", "95 % [m]", "missed", "late", "false")
-CENSUS_HEADINGS = ("scan", "number", "free (inf)", "not seen (NaN)", "median [m]")
-CENSUS_NOTE = """\
-Shares of all beams: those with a number, those that looked and found nothing,
-those that did not see. The median is that of the numbers.
-"""
 
 
 class Score(NamedTuple):
@@ -57,22 +50,6 @@ def score(scans: Sequence[Beams], truth: Truth) -> Score:
     )
 
 
-class Census(NamedTuple):
-    """What scans report, where the truth is not known."""
-
-    number: float  # share of all beams
-    free: float  # share of all beams: +inf
-    unseen: float  # share of all beams: NaN
-    median: float  # [m] of the numbers; NaN where there are none
-
-
-def census(ranges: Ranges) -> Census:
-    """What scans (frames, beams) [m] report."""
-    numbers = np.isfinite(ranges)
-    free, unseen = (float(chosen.mean()) for chosen in (np.isposinf(ranges), np.isnan(ranges)))
-    return Census(float(numbers.mean()), free, unseen, percentile(ranges[numbers], 50))
-
-
 def edge_table(scores: Mapping[str, Mapping[str, Score]], frames: int, methods: Sequence[str]) -> Table:
     """How well each scan finds the edge of the hole, by world and scan; methods: those that `negative` combined."""
     rows = [
@@ -83,9 +60,3 @@ def edge_table(scores: Mapping[str, Mapping[str, Score]], frames: int, methods: 
     title = f"Where the floor ends, against the truth: {frames} frames of each world"
     combined = f"`fused` combines positive with {', '.join(methods)}.\n"
     return Table(title, EDGE_HEADINGS, rows, 2, f"{combined}\n{DEFINITIONS}")
-
-
-def census_table(title: str, counts: Mapping[str, Census]) -> Table:
-    """What each scan reports."""
-    rows = [(scan, *map(percent, each[:3]), number(each.median, ".3f")) for scan, each in counts.items()]
-    return Table(title, CENSUS_HEADINGS, rows, 1, CENSUS_NOTE)

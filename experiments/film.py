@@ -24,9 +24,10 @@ from experiments.frames import Frame
 from experiments.mapping import NAMES, ROUND, Drive, drive_round
 from experiments.run import Run, telling
 
-SIZE = (1080, 700)  # [px]
-COLOURS = 128
-PACE, LAST = 100, 3000  # [ms] that a picture is shown, and the last one
+SIZE = (864, 560)  # [px]
+COLOURS = 64
+EVERY = 2  # frames
+PACE, LAST = 200, 3000  # [ms] that a picture is shown, and the last one
 EXTENT = Extent(3.9, 2.75)  # [m] of the scan's picture
 
 
@@ -66,9 +67,9 @@ def main() -> None:
         run.log_file.touch()
         with telling(run) as display:
             drive = drive_round(run, "odometry_map", ROUND, display)
-            frames = [frame for frame in drive.survey.frames if frame.image.stamp in drive.truth][1:]
+            frames = [frame for frame in drive.survey.frames if frame.image.stamp in drive.truth][1::EVERY]
             pictures = [picture(run, drive, frame) for frame in display.progress.track(frames, description="drawing")]
-    colours = pictures[-1].quantize(COLOURS, Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE)  # rare colours too
+    colours = pictures[-1].quantize(COLOURS, Image.Quantize.FASTOCTREE, dither=Image.Dither.NONE)  # near the palette
     flat = [each.quantize(palette=colours, dither=Image.Dither.NONE) for each in pictures]
     times = [PACE] * (len(flat) - 1) + [LAST]
     flat[0].save(file, save_all=True, append_images=flat[1:], duration=times, loop=0, optimize=True)

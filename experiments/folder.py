@@ -18,7 +18,7 @@ from cliffscan.services.negative.methods import METHODS
 from cliffscan.services.perception.perceive import Settings, perceive
 from cliffscan.services.positive.config import PositiveConfig
 from cliffscan.system import Plan
-from experiments.edges import census, census_table
+from evaluation.census import census, census_table
 from experiments.frames import Frame
 from experiments.pictures import recorded_picture
 from experiments.run import Run, telling

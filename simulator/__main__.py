@@ -1,4 +1,4 @@
-"""A robot in a simulated world: its base on a pty for `services.kobuki`, its Kinect's frames for `services.capture`.
+"""A robot in a simulated world: its base on a pty for `services.kobuki`, its camera's frames for `services.capture`.
 
 The world's time passes with the clock's. Faults on demand, and the truth, over the control socket; `help` lists them.
 """
@@ -10,13 +10,14 @@ from contextlib import ExitStack
 from pathlib import Path
 
 from cliffscan.simulator.frame_server import FrameServer
-from cliffscan.simulator.kinect import kinect_camera
 from cliffscan.simulator.kobuki.__main__ import USAGE_ERROR, stop_signal
 from cliffscan.simulator.kobuki.cable import PathError
 from cliffscan.simulator.kobuki.drive import WheelModel
 from cliffscan.simulator.kobuki.runner import Runner
 from cliffscan.simulator.live import Live
 from cliffscan.simulator.robot import RobotSimulation
+from cliffscan.simulator.sensor_models import MODELS
+from cliffscan.simulator.sensors import SENSORS, sensor_camera
 from cliffscan.simulator.wire import WireError
 from cliffscan.simulator.world import Pose
 
@@ -34,6 +35,7 @@ def options() -> argparse.ArgumentParser:
     parser.add_argument("--control", type=Path, metavar="PATH", help="Unix socket for one-line commands")
     parser.add_argument("--rate", type=float, default=30.0, metavar="HZ", help="of the frames, %(default)s")
     parser.add_argument("--start", type=float, nargs=3, default=[0.0, 0.0, 0.0], metavar=("X", "Y", "DEGREES"))
+    parser.add_argument("--sensor", choices=SENSORS, default="kinect", help="its camera, %(default)s")
     parser.add_argument("--height", type=float, default=0.30, metavar="M", help="of the mounted camera, %(default)s")
     parser.add_argument("--pitch", type=float, default=0.0, metavar="DEGREES", help="it looks down, %(default)s")
     parser.add_argument("--roll", type=float, default=0.0, metavar="DEGREES", help="it leans right, %(default)s")
@@ -47,9 +49,11 @@ def make_simulation(arguments: argparse.Namespace) -> RobotSimulation:
     if not 0.0 < arguments.rate < math.inf:
         raise ValueError(f"a rate of {arguments.rate} Hz, expected more than 0")
     x, y, degrees = arguments.start
-    camera = kinect_camera(arguments.height, math.radians(arguments.pitch), math.radians(arguments.roll))
+    pitch, roll = math.radians(arguments.pitch), math.radians(arguments.roll)
+    camera, model = sensor_camera(arguments.sensor, arguments.height, pitch, roll), MODELS[arguments.sensor]
     wheels = WheelModel(noise=arguments.slip_noise)
-    return RobotSimulation(arguments.world, Pose(x, y, math.radians(degrees)), arguments.seed, camera, wheels=wheels)
+    start = Pose(x, y, math.radians(degrees))
+    return RobotSimulation(arguments.world, start, arguments.seed, camera, model, wheels)
 
 
 def main() -> None:

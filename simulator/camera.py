@@ -1,10 +1,10 @@
-"""A simulated Kinect on a robot that stands in a world."""
+"""A simulated depth sensor, a Kinect by default, on a robot that stands in a world."""
 
 import numpy as np
 
 from cliffscan.common.contract.camera import Camera, check_camera
 from cliffscan.simulator.faces import faces_of
-from cliffscan.simulator.kinect import Image, KinectModel, Millimetres, kinect_camera, measure, returns
+from cliffscan.simulator.kinect import Image, KinectModel, Millimetres, SensorModel, kinect_camera, measure, returns
 from cliffscan.simulator.rasteriser import depth_image
 from cliffscan.simulator.world import Pose, World
 
@@ -16,11 +16,11 @@ class SimulatedKinect:
     """
 
     def __init__(
-        self, world: str, camera: Camera | None = None, model: KinectModel | None = None, seed: int = 0
+        self, world: str, camera: Camera | None = None, model: SensorModel | None = None, seed: int = 0
     ) -> None:
         self.world = World(world)
         self.camera = camera or kinect_camera()
-        self.model = model or KinectModel()
+        self.model: SensorModel = model or KinectModel()
         check_camera(self.camera)
         self._faces = faces_of(self.world)
         self._rng = np.random.default_rng(seed)

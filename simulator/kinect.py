@@ -1,27 +1,26 @@
-"""The Kinect's view of a depth image: what it loses, its noise and its millimetres.
+"""The first Kinect's view of a depth image, and what any depth sensor loses of one.
 
-The sensor measures the disparity b f / z of a speckle pattern. Its noise and its steps are constant in disparity, so in
+The Kinect measures the disparity b f / z of a speckle pattern. Its noise and its steps are constant in disparity, so in
 inverse depth, and grow as z² in depth: Khoshelham and Elberink 2012.
 """
 
 import math
-from dataclasses import dataclass
+from abc import ABC, abstractmethod
+from dataclasses import dataclass, fields
 from statistics import NormalDist
-from typing import Self
+from typing import ClassVar, Self
 
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from cliffscan.common.contract.camera import Camera, FloorPlane, Intrinsics
+from cliffscan.common.contract.camera import Camera
+from cliffscan.simulator.sensors import SENSORS, sensor_camera
 
 Image = NDArray[np.float32]
 Millimetres = NDArray[np.uint16]
 
-WIDTH, HEIGHT = 640, 480  # [px]
-FOCAL_X = WIDTH / 2 / math.tan(math.radians(58.0) / 2)  # [px]
-FOCAL_Y = HEIGHT / 2 / math.tan(math.radians(45.0) / 2)  # [px]
-RANGE = (0.5, 4.5)  # [m]
+RANGE = SENSORS["kinect"].range  # [m]
 
 TICKET_BITS = 12
 NORMAL = np.array(  # equally likely normal deviates: a ticket into them costs a sixth of a draw from the distribution
@@ -29,37 +28,64 @@ NORMAL = np.array(  # equally likely normal deviates: a ticket into them costs a
 )
 
 
-@dataclass(frozen=True)
-class KinectModel:
-    """How far the sensor falls short of the exact depth. Raises ValueError for a value that means nothing."""
+def draw_tickets(shape: tuple[int, ...], rng: np.random.Generator) -> NDArray[np.uint16]:
+    """A place in NORMAL for each pixel."""
+    return rng.integers(1 << TICKET_BITS, size=shape, dtype=np.uint16)
 
-    noise: float = 1.425e-3  # [1/m] standard deviation of the inverse depth: noise · z² [m] in depth
-    step: float = 2.85e-3  # [1/m] of inverse depth, 1/8 px of disparity: step · z² [m] in depth; 0 = none
-    baseline: float = 0.075  # [m] from the camera to the projector on its right, the cause of shadows; 0 = none
+
+@dataclass(frozen=True, kw_only=True)
+class SensorModel(ABC):
+    """How far a sensor falls short of the exact depth. Raises ValueError for a value that means nothing."""
+
+    SHARES: ClassVar = ("grazing", "dropout")
+
+    baseline: float  # [m] from the camera to its second eye or projector on its right, the cause of shadows; 0 = none
     grazing: float = 0.05  # sine of the angle to a surface below which it returns nothing: floor 6 m away from 0.30 m
     dropout: float = 0.01  # share of the pixels lost at random
 
     def __post_init__(self) -> None:
-        for name in ("noise", "step", "baseline"):
-            if not 0.0 <= getattr(self, name) < math.inf:
-                raise ValueError(f"{name} of {getattr(self, name)}, expected a finite value of 0 or more")
-        for name in ("grazing", "dropout"):
-            if not 0.0 <= getattr(self, name) < 1.0:
-                raise ValueError(f"{name} of {getattr(self, name)}, expected 0 <= {name} < 1")
+        for name in (each.name for each in fields(self)):
+            value = getattr(self, name)
+            if name in self.SHARES and not 0.0 <= value < 1.0:
+                raise ValueError(f"{name} of {value}, expected 0 <= {name} < 1")
+            if not 0.0 <= value < math.inf:
+                raise ValueError(f"{name} of {value}, expected a finite value of 0 or more")
+
+    @abstractmethod
+    def millimetres(self, inverse: Image, reach: tuple[float, float], rng: np.random.Generator) -> Millimetres:
+        """Depth (rows, cols) [mm] as the sensor reports it, 0 = none or outside its reach [m]: noisy and in steps.
+
+        inverse: (rows, cols) [1/m], 0 = no return.
+        """
+
+
+@dataclass(frozen=True, kw_only=True)
+class KinectModel(SensorModel):
+    """A camera and a projector of structured light."""
+
+    noise: float = 1.425e-3  # [1/m] standard deviation of the inverse depth: noise · z² [m] in depth
+    step: float = 2.85e-3  # [1/m] of inverse depth, 1/8 px of disparity: step · z² [m] in depth; 0 = none
+    baseline: float = SENSORS["kinect"].baseline
 
     @classmethod
     def ideal(cls) -> Self:
         """A sensor that loses nothing and errs by its rounding to millimetres alone."""
         return cls(noise=0.0, step=0.0, baseline=0.0, grazing=0.0, dropout=0.0)
 
+    def millimetres(self, inverse: Image, reach: tuple[float, float], rng: np.random.Generator) -> Millimetres:
+        """See SensorModel."""
+        tickets = draw_tickets(inverse.shape, rng)
+        reported = np.empty(inverse.shape, dtype=np.uint16)
+        quantise(inverse, tickets, NORMAL, self.noise, self.step, *reach, reported)
+        return reported
+
 
 def kinect_camera(height: float = 0.30, pitch: float = 0.0, roll: float = 0.0) -> Camera:
     """A Kinect `height` [m] over the floor, pitched down and rolled to the right [rad]: 640 x 480 px, 58° x 45°."""
-    centre = Intrinsics(FOCAL_X, FOCAL_Y, (WIDTH - 1) / 2, (HEIGHT - 1) / 2)
-    return Camera(WIDTH, HEIGHT, centre, RANGE, FloorPlane.from_mount(height, pitch, roll))
+    return sensor_camera("kinect", height, pitch, roll)
 
 
-def sense(depth: Image, camera: Camera, model: KinectModel, rng: np.random.Generator) -> Millimetres:
+def sense(depth: Image, camera: Camera, model: SensorModel, rng: np.random.Generator) -> Millimetres:
     """The image the sensor makes of an exact one: (rows, cols) [mm], 0 = no return.
 
     depth: (rows, cols) [m] along the optical axis, inf where there is nothing.
@@ -67,10 +93,10 @@ def sense(depth: Image, camera: Camera, model: KinectModel, rng: np.random.Gener
     return measure(returns(depth, camera, model), camera, model, rng)
 
 
-def returns(depth: Image, camera: Camera, model: KinectModel) -> Image:
+def returns(depth: Image, camera: Camera, model: SensorModel) -> Image:
     """Inverse depth [1/m] of what the sensor gets light back from; 0 elsewhere. Free of chance.
 
-    Lost are pixels in the projector's shadow and surfaces seen at a grazing angle.
+    Lost are pixels that the projector or second eye does not see, and surfaces seen at a grazing angle.
     depth: (rows, cols) [m], inf where there is nothing.
     """
     inverse = np.reciprocal(depth)
@@ -80,14 +106,12 @@ def returns(depth: Image, camera: Camera, model: KinectModel) -> Image:
     return kept
 
 
-def measure(inverse: Image, camera: Camera, model: KinectModel, rng: np.random.Generator) -> Millimetres:
+def measure(inverse: Image, camera: Camera, model: SensorModel, rng: np.random.Generator) -> Millimetres:
     """Depth [mm] as the sensor reports it, 0 = no return: noisy, in steps, within its range, some of it lost by chance.
 
     inverse: (rows, cols) [1/m], 0 = no return.
     """
-    tickets = rng.integers(1 << TICKET_BITS, size=inverse.shape, dtype=np.uint16)
-    millimetres = np.empty(inverse.shape, dtype=np.uint16)
-    quantise(inverse, tickets, NORMAL, model.noise, model.step, *camera.range, millimetres)
+    millimetres = model.millimetres(inverse, camera.range, rng)
     hits = rng.poisson(-math.log1p(-model.dropout) * inverse.size)  # a pixel escapes with probability 1 - dropout
     millimetres.ravel()[rng.integers(inverse.size, size=hits)] = 0
     return millimetres

@@ -93,6 +93,8 @@ class Live:
             "rate": self.pace.rate,
             "intrinsics": list(camera.intrinsics),
             "range": list(camera.range),
+            "noise": camera.noise,
+            "baseline": camera.baseline,
             "truth": truth(self._simulation),
         }
         self._frames.offer(wire.pack(header, self._simulation.frame()))

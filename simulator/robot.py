@@ -14,7 +14,7 @@ import numpy as np
 from cliffscan.common.contract.camera import Camera, Floats, FloorPlane, axes, check_camera
 from cliffscan.simulator.body import Body
 from cliffscan.simulator.faces import faces_of
-from cliffscan.simulator.kinect import Image, KinectModel, Millimetres, kinect_camera, sense
+from cliffscan.simulator.kinect import Image, KinectModel, Millimetres, SensorModel, kinect_camera, sense
 from cliffscan.simulator.kobuki.base import Base
 from cliffscan.simulator.kobuki.drive import WheelModel
 from cliffscan.simulator.kobuki.firmware import DEAD_TIME, Firmware
@@ -86,8 +86,8 @@ CAMERA_X = -0.087  # [m] the Kinect of a TurtleBot 2 stands behind the wheels
 class RobotSimulation:
     """A TurtleBot 2 in a world by name, the same for the same seed and the same calls. Time passes only in `step`.
 
-    camera: the Kinect and its nominal mount; where it truly is follows from the body, which nods. wheels: how the
-    motors follow a command; dead_time: [s] from a command to the motors.
+    camera, sensor: a Kinect by default, at its nominal mount; where it truly is follows from the body, which nods.
+    wheels: how the motors follow a command; dead_time: [s] from a command to the motors.
     Raises ValueError for an unknown world, an impossible camera or dead time.
     """
 
@@ -97,13 +97,13 @@ class RobotSimulation:
         pose: Pose = START,
         seed: int = 0,
         camera: Camera | None = None,
-        kinect: KinectModel | None = None,
+        sensor: SensorModel | None = None,
         wheels: WheelModel | None = None,
         dead_time: float = DEAD_TIME,
     ) -> None:
         self.world = World(world, pose)
         self.camera = camera or kinect_camera()
-        self.kinect = kinect or KinectModel()
+        self.sensor: SensorModel = sensor or KinectModel()
         check_camera(self.camera)
         self.base = RobotBase(Body(world, pose), wheels, dead_time, seed)
         self._faces = faces_of(self.world)
@@ -148,8 +148,8 @@ class RobotSimulation:
         return depth_image(self._faces, *self.camera_pose(), self.camera)
 
     def frame(self) -> Millimetres:
-        """What the Kinect sees now: (rows, cols) [mm], 0 = no return."""
-        return sense(self.depth(), self.camera, self.kinect, self._rng)
+        """What the sensor sees now: (rows, cols) [mm], 0 = no return."""
+        return sense(self.depth(), self.camera, self.sensor, self._rng)
 
     def camera_pose(self) -> tuple[Floats, Floats]:
         """The camera's true position (3,) [m] in the world, and rotation (3, 3) to it from its optical frame."""

@@ -10,6 +10,8 @@ The header is a map of
     time        [s] of the simulation, which goes slower than the clock where the machine is too slow
     rate        by how much: seconds of the simulation in one of the clock's, lately
     width, height, intrinsics [fx, fy, cx, cy] [px], range [min, max] [m]
+    noise       [1/m] standard deviation of the inverse depth
+    baseline    [m] between the sensor's two eyes
     truth       what no sensor tells: pose [x, y, yaw] [m, m, rad] of the middle between the wheels, viewpoint
                 [x, y, yaw] below the camera, fallen, bumped (now), bumps (in all)
 

@@ -8,23 +8,32 @@ import numpy as np
 from cliffscan.common.contract.beam_grid import Grid
 from cliffscan.common.contract.camera import Camera
 from cliffscan.services.positive.first_sight import BASE, UNEVEN
-from cliffscan.services.positive.projection import ACROSS, CLOSE
+from cliffscan.services.positive.projection import ACROSS, CLOSE, DEVIATIONS
 from tests import naive
 
 Point = tuple[float, float]  # how far away and how high above the plane [m]
 
 
 def projection(
-    depth: np.ndarray, camera: Camera, grid: Grid, floor_band: float, robot_height: float, slope: float = 0.0
+    depth: np.ndarray,
+    camera: Camera,
+    grid: Grid,
+    floor_band: float,
+    robot_height: float,
+    slope: float = 0.0,
+    noise: float = 0.0,
 ) -> np.ndarray:
     """Positive obstacles. A beam that saw the floor or below it, and nothing in the way, is free.
 
-    slope: rise per metre of the steepest floor; the paper's floor is flat.
+    slope: rise per metre of the steepest floor; noise [1/m]: of the inverse depth; the paper's floor is flat and exact.
     """
     nearest = [math.nan] * grid.beams
     points = {}
     for column in range(camera.width):
-        points.update(judged(list(column_of(depth, camera, column)), column, floor_band, slope))
+        seen = list(column_of(depth, camera, column))
+        deviations = [noise * int(depth[row, column]) / 1000 * camera.floor.d for row, _ in seen]
+        bands = [max(floor_band, DEVIATIONS * deviation) for deviation in deviations]
+        points.update(judged(seen, column, bands, floor_band, slope))
     for row, column, step in naive.pixels_of_beams(camera, grid):
         distance, height, standing = points.get((row, column), (math.nan, math.nan, False))
         if math.isnan(height) or height > robot_height:
@@ -48,15 +57,15 @@ def column_of(depth: np.ndarray, camera: Camera, column: int) -> Iterator[tuple[
 
 
 def judged(
-    column: list[tuple[int, Point]], number: int, floor_band: float, slope: float
+    column: list[tuple[int, Point]], number: int, bands: list[float], floor_band: float, slope: float
 ) -> Iterator[tuple[tuple[int, int], tuple[float, float, bool]]]:
-    """Of each point of a column, how far and how high it is, and whether it stands on the floor."""
+    """Of each point of a column, how far and how high it is, and whether it stands on the floor: above its band."""
     level, reach = first_floor([point for _, point in column], floor_band, slope)
-    for row, (distance, height) in column:
+    for (row, (distance, height)), band in zip(column, bands, strict=True):
         ahead = max(distance - reach, 0.0)
         highest = level + slope * min(ahead, float(ACROSS))
-        standing = height > highest + floor_band
-        if not standing and height >= -floor_band:
+        standing = height > highest + band
+        if not standing and height >= -band:
             reach += ahead
             if height <= highest + CLOSE:
                 level = min(max(height, 0.0), highest)

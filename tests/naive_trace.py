@@ -27,6 +27,7 @@ def floor_trace(
         for index, row in enumerate(order):
             height = filled(heights, index, line, trace.sensor.criteria.step)
             rows = f32(abs(int(row) - int(order[index - 1]))) if index else f32(1)
+            trace.recent_rows = max(of_trace.RECENT_ROWS, of_trace.RECENT_LOOKS * rows)
             if trace.sensor.begun(int(row)):
                 trace.look(int(row), height)
             if trace.end is End.GOING:
@@ -98,6 +99,7 @@ class Trace:
         self.rough = sensor.criteria.noise
         self.end, self.row = End.GOING, NEVER
         self.last = NEVER  # row
+        self.recent_rows = of_trace.RECENT_ROWS  # ago that floor must have been seen where it leaves the view
         self.below = f32(0)  # rows since floor was seen, those far below counted more
         self.deep = self.above = 0  # rows since floor was seen
         self.doubtful, self.sure, self.sure_level = False, NEVER, f32(0)
@@ -123,7 +125,7 @@ class Trace:
         least_angle = rate + min(self.incline, f32(0)) if missing else rate
         seen = rate > 0 and depth <= criteria.far and rate >= criteria.grazing and not sensor.beyond(row)
         if not (seen and least_angle >= criteria.grazing):
-            recent = self.started and not self.doubtful and since_rows <= of_trace.RECENT_ROWS
+            recent = self.started and not self.doubtful and since_rows <= self.recent_rows
             self.end = End.REACHED_RANGE if recent else End.UNVERIFIED
             return
         if depth < criteria.near:
@@ -216,7 +218,7 @@ class Trace:
 
     def result(self) -> tuple[End, int, f32, int, f32]:
         if self.end is End.GOING:
-            seen = self.started and not self.doubtful and self.rows_since() <= of_trace.RECENT_ROWS
+            seen = self.started and not self.doubtful and self.rows_since() <= self.recent_rows
             self.end = End.REACHED_RANGE if seen else End.UNVERIFIED
         last, level, sure, sure_level = self.last, self.level, self.sure, self.sure_level
         if self.fallen and (self.brink - last) * self.sensor.downward > 0:

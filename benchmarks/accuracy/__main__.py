@@ -2,15 +2,22 @@
 
 import argparse
 import os
+import sys
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 
 from benchmarks.accuracy.cases import Case, some_cases
+from benchmarks.accuracy.folders import folder_section
+from benchmarks.accuracy.foreign import DEADLINE, ForeignError, ForeignProgram
 from benchmarks.accuracy.frames import KNOWN, PLANES
 from benchmarks.accuracy.measure import measure
 from benchmarks.accuracy.report import report
 from benchmarks.accuracy.rows import Row, Table, worst
-from benchmarks.accuracy.scans import BEST, known_scans
+from benchmarks.accuracy.scans import ANGLES, BEST, Others, known_scans
+from benchmarks.accuracy.setups import SETUPS
+from cliffscan.common.runtime.bus import BusError
+from cliffscan.common.runtime.config import ConfigError
 from evaluation.options import some_of
 from evaluation.tables import unique, write_csv
 
@@ -22,18 +29,35 @@ PICTURES = 4  # of each plane mode
 def arguments() -> argparse.Namespace:
     """The options."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks.accuracy", description=__doc__)
-    parser.add_argument("--scenes", type=int, default=400, help="about how many random scenes (400)")
+    parser.add_argument("--scenes", type=int, default=400, help="about how many, level and mounted (400)")
     parser.add_argument("--seed", type=int, default=1, help="of all random numbers (1)")
     parser.add_argument("--methods", nargs="+", choices=[*known_scans()], default=[*known_scans()], help="all, if none")
     parser.add_argument(
         "--planes", type=some_of(PLANES), default=PLANES, help=f"with commas between ({','.join(PLANES)})"
     )
+    parser.add_argument(
+        "--setups", type=some_of(tuple(SETUPS)), default=tuple(SETUPS), help=f"with commas between ({','.join(SETUPS)})"
+    )
     parser.add_argument("--out", type=Path, default=OUT, help=f"folder of the results ({OUT})")
     parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1, help="processes (one for each core)")
     parser.add_argument("--quick", action="store_true", help=f"{QUICK} scenes, plane known")
     parser.add_argument("--pictures", type=int, default=PICTURES, help=f"of the worst cases, each plane ({PICTURES})")
+    parser.add_argument(
+        "--foreign",
+        metavar="COMMAND",
+        help="score this program too: it connects to the Zenoh endpoint {endpoint} ($CLIFFSCAN_ENDPOINT), receives "
+        "{robot}/camera/depth ($CLIFFSCAN_ROBOT) and publishes a LaserScan with each image's stamp at {robot}/KEY",
+    )
+    parser.add_argument("--key", metavar="KEY", help="on which that program publishes, as scan/mine")
+    parser.add_argument("--deadline", type=float, default=DEADLINE, help=f"[s] for its scan of an image ({DEADLINE:g})")
+    parser.add_argument(
+        "--frames", type=Path, action="append", default=[], metavar="DIR", help="count the scans of a depth folder too"
+    )
     parser.add_argument("--only", type=Case.parse, metavar="KIND:SEED", help="replay one case, in detail")
-    return parser.parse_args()
+    options = parser.parse_args()
+    if bool(options.foreign) != bool(options.key):
+        parser.error("--foreign COMMAND and --key KEY are given together: the program, and where it publishes")
+    return options
 
 
 def show(rows: Sequence[Row], scans: Sequence[str], out: Path) -> None:
@@ -53,26 +77,43 @@ def replay(table: Table, scans: Sequence[str], out: Path) -> None:
     show([row for row in table.rows if row.scan == scans[0]], scans, out)
 
 
-def main() -> None:
-    """Measure, and write what was found."""
-    options = arguments()
-    cases = [options.only] if options.only else some_cases(QUICK if options.quick else options.scenes, options.seed)
+def score(options: argparse.Namespace, foreign: ForeignProgram | None) -> None:
+    """Measure, and write what was found. Raises ForeignError, ConfigError."""
+    scenes = QUICK if options.quick else options.scenes
+    cases = [options.only] if options.only else some_cases(scenes, options.seed, options.setups)
     modes = (KNOWN,) if options.quick else options.planes
+    others: Others = {foreign.path: partial(foreign.beams, angles=ANGLES)} if foreign else {}
     options.out.mkdir(parents=True, exist_ok=True)
-    table = measure(cases, options.methods, modes, options.jobs)
+    table = measure(cases, options.methods, modes, 1 if foreign else options.jobs, others)
     if options.only:
         replay(table, options.methods, options.out)
         return
-    text = report(table)
+    folders = [folder_section(folder, options.methods, others) for folder in options.frames]
+    text = report(table, [foreign.note] if foreign else [], folders)
     print(text)
     (options.out / "accuracy.md").write_text(text)
-    write_csv((row.record() for row in table.rows), options.out / "cases.csv")  # by which a case is found and replayed
+    if table.rows:
+        write_csv((row.record() for row in table.rows), options.out / "cases.csv")  # a case is found and replayed by it
     pictures = options.out / "worst"
     for stale in pictures.glob("*.png"):
         stale.unlink()
     best = BEST if BEST in options.methods else options.methods[-1]
     for plane in unique(row.plane for row in table.rows):
         show(worst(table.rows, best, plane, options.pictures), options.methods, pictures)
+
+
+def main() -> None:
+    """Measure our methods, and beside them a program of somebody else's."""
+    options = arguments()
+    try:
+        if options.foreign:
+            with ForeignProgram(options.foreign, options.key, options.deadline) as foreign:
+                score(options, foreign)
+        else:
+            score(options, None)
+    except (ForeignError, ConfigError, BusError) as error:
+        print(error, file=sys.stderr)
+        raise SystemExit(2) from error
 
 
 if __name__ == "__main__":

@@ -1,30 +1,20 @@
-"""The cases: a kind of scene, a seed, and where the camera is."""
+"""The cases: a kind of scene, a seed, and the setup in which it is seen."""
 
 import math
 import zlib
-from collections.abc import Callable
+from collections.abc import Collection
 from typing import NamedTuple, Self
 
 import numpy as np
 
+from benchmarks.accuracy.setups import BUILD, DROPS, GLOSSY, LEVEL, MOUNTED, SETUPS, Setup
 from cliffscan.common.contract.camera import Camera
-from cliffscan.simulator.kinect import kinect_camera
-from evaluation.scenes import drops, safe
-from evaluation.scenes.drops import Span
-from evaluation.scenes.mounts import any_mount, floor_in_view
+from evaluation.scenes.mounts import floor_in_view
 from evaluation.scenes.scene import Scene
 
-Build = Callable[[np.random.Generator, Span], Scene]
-
-DROPS: tuple[Build, ...] = (drops.hole, drops.hole, drops.kerb, drops.kerb_5cm, drops.stairs, drops.stairwell,
-                            drops.platform)  # fmt: skip
-SAFE: tuple[Build, ...] = (safe.open_floor, safe.walls, safe.corridor, safe.boxes, safe.tables, safe.railings,
-                           safe.sill, safe.ramp_down, safe.ramp_up, safe.lost_returns)  # fmt: skip
-GLOSSY = safe.glossy.__name__
-BUILD: dict[str, Build] = {build.__name__: build for build in (*DROPS, *SAFE, safe.glossy)}
-LEVEL, MOUNTED = "level", "mounted"
 FAR_SHARE, FARTHER = 0.15, 1.0  # of the scenes may have their edge so much [m] farther than it must be found
 MOST_MOUNTED = 0.4  # of the scenes are seen from any mount, the others from a level camera at 0.30 m
+GLOSSY_SHARE, OTHER_SHARE = 1 / 40, 1 / 10  # as many more are glossy floors, or of each other setup
 
 
 class Case(NamedTuple):
@@ -32,26 +22,28 @@ class Case(NamedTuple):
 
     kind: str
     seed: int
-    mount: str = LEVEL
+    group: str = LEVEL  # the setup in which it is seen, and with which it is scored
+
+    @property
+    def setup(self) -> Setup:
+        """How it is seen."""
+        return SETUPS[self.group]
 
     @property
     def name(self) -> str:
-        """As --only takes it: KIND:SEED, or mounted-KIND:SEED."""
-        return f"{self.mount + '-' if self.mount == MOUNTED else ''}{self.kind}:{self.seed}"
+        """As --only takes it: KIND:SEED where the camera is level, SETUP-KIND:SEED elsewhere."""
+        return f"{'' if self.group == LEVEL else f'{self.group}-'}{self.kind}:{self.seed}"
 
     @classmethod
     def parse(cls, name: str) -> Self:
         """The case of a name. Raises ValueError for another text."""
-        kind, _, seed = name.partition(":")
-        bare = kind.removeprefix(f"{MOUNTED}-")
-        if bare not in BUILD:
-            raise ValueError(f"{name!r} is no case; kinds are {', '.join(BUILD)}")
-        return cls(bare, int(seed), LEVEL if bare == kind else MOUNTED)
-
-    @property
-    def group(self) -> str:
-        """The set in which it is scored."""
-        return GLOSSY if self.kind == GLOSSY else self.mount
+        words, _, seed = name.partition(":")
+        group, _, kind = words.rpartition("-")
+        group = group or LEVEL
+        if kind not in BUILD or group not in SETUPS:
+            known = f"kinds are {', '.join(BUILD)}; setups are {', '.join(SETUPS)}"
+            raise ValueError(f"{name!r} is no case, expected KIND:SEED or SETUP-KIND:SEED; {known}")
+        return cls(kind, int(seed), group)
 
     @property
     def safe(self) -> bool:
@@ -60,12 +52,13 @@ class Case(NamedTuple):
 
     def rng(self, purpose: str) -> np.random.Generator:
         """The same random numbers for the same purpose, whatever else draws any."""
-        return np.random.default_rng([self.seed, zlib.crc32(f"{self.mount} {self.kind} {purpose}".encode())])
+        setup = LEVEL if self.group == GLOSSY else self.group
+        return np.random.default_rng([self.seed, zlib.crc32(f"{setup} {self.kind} {purpose}".encode())])
 
 
 def camera_of(case: Case) -> Camera:
     """The camera and where it truly is."""
-    return any_mount(case.rng("mount")) if case.mount == MOUNTED else kinect_camera()
+    return case.setup.camera(case.rng("mount"))
 
 
 def scene_of(case: Case) -> Scene:
@@ -76,18 +69,16 @@ def scene_of(case: Case) -> Scene:
     return BUILD[case.kind](case.rng("scene"), (near, far))
 
 
-def some_cases(scenes: int, seed: int) -> list[Case]:
-    """About that many cases: half with drops, half without; all kinds as often; some glossy floors beside them."""
+def some_cases(scenes: int, seed: int, setups: Collection[str] = tuple(SETUPS)) -> list[Case]:
+    """About that many cases seen by level and mounted cameras, and some more of each other setup.
+
+    In each setup half have drops and half none, where it has both; all kinds come as often.
+    """
     mounted = round(MOST_MOUNTED * scenes)
+    of_each = {LEVEL: scenes - mounted, MOUNTED: mounted, GLOSSY: math.ceil(GLOSSY_SHARE * scenes)}
     return [
-        *_alternating(scenes - mounted, seed, LEVEL),
-        *_alternating(mounted, seed, MOUNTED),
-        *(Case(GLOSSY, seed * 100_000 + i) for i in range(math.ceil(scenes / 40))),
-    ]
-
-
-def _alternating(count: int, seed: int, mount: str) -> list[Case]:
-    return [
-        Case((DROPS, SAFE)[i % 2][i // 2 % len((DROPS, SAFE)[i % 2])].__name__, seed * 100_000 + i, mount)
-        for i in range(count)
+        Case(setup.kind(i), seed * 100_000 + i, name)
+        for name, setup in SETUPS.items()
+        if name in setups
+        for i in range(of_each.get(name, math.ceil(OTHER_SHARE * scenes)))
     ]

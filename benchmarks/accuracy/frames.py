@@ -1,4 +1,4 @@
-"""Noisy Kinect frames of a case, with the floor plane that the service would be given."""
+"""Noisy frames of a case, with the floor plane that the service would be given."""
 
 import math
 from collections.abc import Iterator
@@ -11,7 +11,7 @@ from benchmarks.accuracy.cases import Case, camera_of, scene_of
 from cliffscan.common.contract.camera import Camera, scan_axes
 from cliffscan.services.capture.floor.tracker import FloorTracker
 from cliffscan.simulator.faces import Faces, pack
-from cliffscan.simulator.kinect import Image, KinectModel, Millimetres, measure, returns
+from cliffscan.simulator.kinect import Image, Millimetres, SensorModel, measure, returns
 from cliffscan.simulator.rasteriser import depth_image
 from evaluation.scenes.mounts import moved, pose
 from evaluation.scenes.polygons import contains
@@ -38,11 +38,11 @@ class Frame(NamedTuple):
 
 
 class Sensor:
-    """A noisy Kinect before a scene."""
+    """A noisy sensor before a scene."""
 
-    def __init__(self, scene: Scene, rng: np.random.Generator) -> None:
+    def __init__(self, scene: Scene, rng: np.random.Generator, model: SensorModel) -> None:
         self.scene, self._rng = scene, rng
-        self._model = KinectModel(dropout=scene.dropout)
+        self._model = replace(model, dropout=scene.dropout, grazing=scene.grazing)
         self._faces: Faces = pack(scene.faces)
 
     def exact(self, camera: Camera) -> Image:
@@ -55,7 +55,10 @@ class Sensor:
         inverse = returns(exact, camera, self._model)
         if self.scene.glossy:
             inverse[self._mirrored(exact, camera)] = 0.0
-        return measure(inverse, camera, self._model, self._rng)
+        left, top, right, bottom = camera.region
+        returning = np.zeros_like(inverse)
+        returning[top : bottom + 1, left : right + 1] = inverse[top : bottom + 1, left : right + 1]
+        return measure(returning, camera, self._model, self._rng)
 
     def _mirrored(self, exact: Image, camera: Camera) -> np.ndarray[tuple[int, ...], np.dtype[np.bool_]]:
         """Which pixels show the floor within a glossy patch: (rows, cols)."""
@@ -70,7 +73,7 @@ class Sensor:
 def frames_of(case: Case, plane: str) -> Iterator[Frame]:
     """The frames of a case that are scored in a plane mode; those of a wrong plane once more with it tracked."""
     camera, rng = camera_of(case), case.rng(plane)
-    sensor = Sensor(scene_of(case), rng)
+    sensor = Sensor(scene_of(case), rng, case.setup.model(camera))
     if plane == KNOWN:
         yield Frame(sensor.frame(camera), camera, camera, plane)
     elif plane == UNKNOWN:

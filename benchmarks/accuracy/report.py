@@ -5,24 +5,32 @@ from collections.abc import Iterable, Sequence
 from benchmarks.accuracy.rows import DEFINITIONS, Census, Figures, Row
 from benchmarks.accuracy.rows import Table as Results
 from evaluation.score import WRONG, Tally, Verdict, ratio
-from evaluation.tables import Table, number, percent, unique
+from evaluation.tables import NONE, Table, number, percent, unique
 
 HEADINGS = ("scan", "found", "missed", "late", "early", "false, safe", "false, drop", "median [m]", "95 % [m]",
-            "95 % / allowed", "kerb", "clear beyond")  # fmt: skip
+            "95 % / allowed", "kerb", "clear beyond", "blind")  # fmt: skip
 
 
-def report(table: Results) -> str:
-    """All tables, and what their words mean."""
-    return "\n\n".join(["# Where the floor ends, against exact truth", *sections(table), *by_kind(table), DEFINITIONS])
+def report(table: Results, notes: Sequence[str] = (), folders: Sequence[str] = ()) -> str:
+    """All tables, and what their words mean; notes: for below the title; folders: the sections of recorded frames."""
+    title = "# Where the floor ends, against exact truth"
+    return "\n\n".join([title, *notes, *sections(table), *by_kind(table), *folders, DEFINITIONS])
 
 
 def sections(table: Results) -> Iterable[str]:
     """One table for each set and plane mode."""
     scans = unique(row.scan for row in table.rows)
     for group, plane in unique((row.case.group, row.plane) for row in table.rows):
-        lines = [(scan, *cells(table.figures(scan, group, plane))) for scan in scans]
+        headings, lines = measured([(scan, *cells(table.figures(scan, group, plane))) for scan in scans])
         note = counted(table.chosen(group, plane, scans[0])) + undecided(table, group, plane, scans)
-        yield Table(f"Camera {group}, plane {plane}", HEADINGS, lines, note=note).markdown(level=2)
+        yield Table(f"Setup {group}, plane {plane}", headings, lines, note=note).markdown(level=2)
+
+
+def measured(lines: Sequence[Sequence[str]]) -> tuple[Sequence[str], Sequence[Sequence[str]]]:
+    """The headings and the lines without the columns in which no scan has a figure."""
+    columns = zip(HEADINGS, zip(*lines, strict=True), strict=True)
+    kept = [(heading, column) for heading, column in columns if {*column} != {NONE}]
+    return [heading for heading, _ in kept], list(zip(*(column for _, column in kept), strict=True))
 
 
 def counted(rows: Sequence[Row]) -> str:
@@ -57,7 +65,7 @@ def by_kind(table: Results) -> Iterable[str]:
     for group, plane in unique((row.case.group, row.plane) for row in table.rows):
         kinds = unique(row.case.kind for row in table.chosen(group, plane, scans[0]))
         lines = [(kind, *(faults(table.chosen(group, plane, scan), kind) for scan in scans)) for kind in sorted(kinds)]
-        title = f"By kind of scene, missed / late / early or false, of all beams: camera {group}, plane {plane}"
+        title = f"By kind of scene, missed / late / early or false, of all beams: setup {group}, plane {plane}"
         yield Table(title, ("kind", *scans), lines).markdown(level=3)
 
 
@@ -70,6 +78,7 @@ def faults(rows: Sequence[Row], kind: str) -> str:
 
 def cells(figures: Figures) -> tuple[str, ...]:
     """Figures as text."""
-    *shares, median, percentile95, relative95, kerb, clear_beyond = figures
+    *shares, median, percentile95, relative95, kerb, clear_beyond, blind = figures
     errors = number(median, "+.3f"), number(percentile95, ".3f"), number(relative95, ".2f")
-    return (*(percent(share, 2) for share in shares), *errors, percent(kerb, 2), percent(clear_beyond, 2))
+    last = (percent(share, 2) for share in (kerb, clear_beyond, blind))
+    return (*(percent(share, 2) for share in shares), *errors, *last)

@@ -5,8 +5,9 @@ from typing import NamedTuple, Self
 
 import numpy as np
 
-from benchmarks.accuracy.cases import GLOSSY, Case
+from benchmarks.accuracy.cases import Case
 from benchmarks.accuracy.frames import KNOWN
+from benchmarks.accuracy.setups import GLOSSY
 from evaluation.score import ON_DROP, WRONG, Tally, Verdict, percentile, ratio
 from evaluation.truth.beam_truth import Truth
 
@@ -27,6 +28,19 @@ and no obstacle in the way before it. *Allowed* is the larger of 2 cm and one ro
 - *kerb*: as found, of the drop beams of kerbs of 5 cm up to 1.5 m away.
 - *clear beyond*: of the drop beams, those that tell floor to be clear farther than edge + allowed; "-" where a scan
   does not tell how far floor is clear.
+- *blind*: of the beams over empty floor that have 20 cm of it within 3.0 m in the image and in range, those that report
+  NaN.
+
+The setups:
+
+- *level*: a Kinect 0.30 m high; *mounted*: one 0.2 to 1.0 m high, pitched up to 35° and rolled up to 3°; *glossy*: as
+  level, over floor with patches that return nothing, which no single frame tells from a hole.
+- *rolled*: as mounted, at any roll. *stereo*: as mounted, a D4xx with 0.08 to 0.12 px of noise that neighbours share,
+  and edges smeared. *flight*: as mounted, a time-of-flight camera. Their noise is told.
+- *border*: as level or as mounted, with up to 23 rows and 15 columns at the border that return nothing, and are told.
+- *ramps*: as level, ramps down of 3 to 5° whose crest is 2.8 to 3.2 m ahead and whose surface is seen from any angle.
+- *corners* and *tips*: as level; the drop beams are those with 10 to 20 cm and with 5 to 10 cm of hole.
+- *flat*: empty floor seen by a Kinect 0.2 to 1.5 m high, pitched -5 to 60°, at any roll.
 
 Not counted, and how many they are, stands under each table:
 
@@ -38,6 +52,23 @@ Not counted, and how many they are, stands under each table:
   for the beams that see less than half a metre of the ramp before (hidden), and for those that see more, from which a
   method could foresee where the ramp will be lost (sinking).
 """
+
+
+class Sight(NamedTuple):
+    """How many beams could see empty floor, and how many of them report that they saw nothing."""
+
+    beams: int = 0
+    unseen: int = 0
+
+    @classmethod
+    def total(cls, parts: Sequence[Self]) -> Self:
+        """All of them together."""
+        return cls(sum(part.beams for part in parts), sum(part.unseen for part in parts))
+
+    @property
+    def blind(self) -> float:
+        """The share that saw nothing; NaN where none could see."""
+        return ratio(self.unseen, self.beams)
 
 
 class Figures(NamedTuple):
@@ -54,10 +85,11 @@ class Figures(NamedTuple):
     relative95: float  # of the allowed error
     kerb: float
     clear_beyond: float
+    blind: float
 
     @classmethod
-    def of(cls, drops: Sequence[Tally], safe: Sequence[Tally], kerbs: Sequence[Tally]) -> Self:
-        """The figures of scans of scenes with drops, of safe ones, and of those with a kerb of 5 cm within 1.5 m."""
+    def of(cls, drops: Sequence[Tally], safe: Sequence[Tally], kerbs: Sequence[Tally], sights: Sequence[Sight]) -> Self:
+        """The figures of scans of scenes with drops, of safe ones, of kerbs of 5 cm within 1.5 m, of empty floor."""
         drop, quiet, kerb = Tally.total(drops), Tally.total(safe), Tally.total(kerbs)
         wrong = (Verdict.FALSE, Verdict.ASTRAY)
         return cls(
@@ -72,6 +104,7 @@ class Figures(NamedTuple):
             relative95=percentile(np.abs(drop.relative), 95),
             kerb=kerb.share((Verdict.FOUND, Verdict.EARLY), ON_DROP),
             clear_beyond=ratio(drop.beyond, drop.telling),
+            blind=Sight.total(sights).blind,
         )
 
 
@@ -113,6 +146,7 @@ class Row(NamedTuple):
     tally: Tally
     kerb: Tally  # the same where only kerbs of 5 cm up to 1.5 m away are drop beams
     census: Census
+    sight: Sight  # where there is nothing but floor
 
     @property
     def wrong(self) -> float:
@@ -128,6 +162,8 @@ class Row(NamedTuple):
             "wrong": round(self.wrong, 5),
             **{verdict.name.lower(): self.tally.count(verdict) for verdict in Verdict},
             **self.census._asdict(),
+            "in_sight": self.sight.beams,
+            "blind": self.sight.unseen,
             "error_median": round(percentile(self.tally.errors, 50), 4),
             "error_95": round(percentile(np.abs(self.tally.errors), 95), 4),
             "allowed_95": round(percentile(np.abs(self.tally.relative), 95), 3),
@@ -150,6 +186,7 @@ class Table(NamedTuple):
             [row.tally for row in rows if not row.case.safe],
             [row.tally for row in rows if row.case.safe],
             [row.kerb for row in rows if row.case.kind == KERB],
+            [row.sight for row in rows],
         )
 
 

@@ -1,6 +1,6 @@
 """What the methods of negative report on a frame, each alone and combined as the paper and the defaults do."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 
 from benchmarks.accuracy.frames import Frame
 from cliffscan.common.contract.beam_fields import Beams
@@ -15,6 +15,8 @@ PAPER: tuple[str, ...] = ("farthest_point", "virtual_floor")
 BEST = "near_edge"  # the scan whose worst cases are drawn
 CONFIG = NegativeConfig(methods=tuple(METHODS))
 ANGLES = CONFIG.grid().angles()  # [rad]
+
+Others = Mapping[str, Callable[[Frame], Beams]]  # scans of other programs, by name: what they report at ANGLES
 
 
 def known_scans() -> dict[str, tuple[str, ...]]:
@@ -34,3 +36,8 @@ def beams_of(frame: Frame, names: Sequence[str]) -> dict[str, Beams]:
     image = DepthImage.pack(0, 0, "", frame.depth, frame.camera, RAW)
     found = negative_scans(image, CONFIG, used).by_method
     return {name: combine([found[method] for method in methods]) for name, methods in scans.items()}
+
+
+def all_beams(frame: Frame, names: Sequence[str], others: Others) -> dict[str, Beams]:
+    """What our scans of these names tell, and then others'."""
+    return {**beams_of(frame, names), **{name: ask(frame) for name, ask in others.items()}}

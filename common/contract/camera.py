@@ -144,6 +144,7 @@ class Affine(NamedTuple):
         return Affine((sign * self.columns).astype(np.float32), (sign * self.rows).astype(np.float32))
 
 
+@lru_cache(maxsize=16)  # all that is made of an image asks for it
 def scan_axes(camera: Camera) -> tuple[Affine, Affine, Affine]:
     """How far forward, left and up a pixel's ray goes for each metre of depth, in the scan frame's directions.
 
@@ -160,12 +161,15 @@ def scan_axes(camera: Camera) -> tuple[Affine, Affine, Affine]:
     return along(forward), along(left), along(up)
 
 
-@lru_cache(maxsize=16)  # each scan of an image asks for it
 def reach(camera: Camera) -> float:
     """Farthest horizontal distance [m] at which any pixel of `camera` can measure a point: a corner's, by convexity."""
     forward, left, _ = scan_axes(camera)
-    corners = (Affine(axis.columns[[0, -1]], axis.rows[[0, -1]]).table() for axis in (forward, left))
-    return camera.range[1] * float(np.hypot(*corners).max())
+    corners = (
+        np.hypot(forward.columns[column] + forward.rows[row], left.columns[column] + left.rows[row])
+        for column in (0, -1)
+        for row in (0, -1)
+    )
+    return camera.range[1] * float(max(corners))
 
 
 def check_camera(camera: Camera) -> None:

@@ -34,6 +34,11 @@ class FloorPoints:
         near, far = (np.uint16(min(round(limit / MILLIMETRE), FARTHEST)) for limit in self.region.camera.range)
         return max(near, np.uint16(1)), far
 
+    @cached_property
+    def millimetres(self) -> Millimetres:
+        """The depths [mm] of the region's pixels: (rows, columns)."""
+        return self.region.of(self.depth)
+
     @property
     def heights(self) -> Metres:
         """Above the floor plane [m], of the region's pixels (rows, columns); NaN without a usable return."""
@@ -48,10 +53,10 @@ class FloorPoints:
     def _points(self) -> tuple[Metres, Metres]:
         region = self.region
         return _measure(
-            region.of(self.depth),
-            region.up.single(),
-            region.forward.single(),
-            region.left.single(),
+            self.millimetres,
+            region.up,
+            region.forward,
+            region.left,
             np.float32(region.camera.floor.d),
             *self.usable,
             np.float32(self.range_min),
@@ -79,17 +84,21 @@ def _measure(
     far: np.uint16,
     range_min: np.float32,
 ) -> tuple[Metres, Metres]:
-    """Heights and distances of all pixels, in one pass over the image."""
+    """Heights and distances of all pixels, in one pass over the image and in single precision."""
     heights, distances = np.empty(millimetres.shape, np.float32), np.empty(millimetres.shape, np.float32)
+    ups, aheads = up.columns.astype(np.float32), forward.columns.astype(np.float32)
+    asides = left.columns.astype(np.float32)
+    nearest, farthest = np.float32(near), np.float32(far)
     for row in range(millimetres.shape[0]):
+        up_row, ahead_row = np.float32(up.rows[row]), np.float32(forward.rows[row])
+        aside_row = np.float32(left.rows[row])
         for column in range(millimetres.shape[1]):
-            depth = np.float32(millimetres[row, column]) * METRES
-            ahead = forward.columns[column] + forward.rows[row]
-            aside = left.columns[column] + left.rows[row]
+            raw = np.float32(millimetres[row, column])
+            depth = raw * METRES
+            ahead, aside = aheads[column] + ahead_row, asides[column] + aside_row
             distance = depth * np.sqrt(ahead * ahead + aside * aside)  # equation (3)
-            height = depth * (up.columns[column] + up.rows[row]) + camera_height
-            usable = (near <= millimetres[row, column]) & (millimetres[row, column] <= far)
-            usable = usable & (ahead > 0) & (distance >= range_min)
+            height = depth * (ups[column] + up_row) + camera_height
+            usable = (nearest <= raw) & (raw <= farthest) & (ahead > np.float32(0.0)) & (distance >= range_min)
             heights[row, column] = height if usable else np.nan
             distances[row, column] = distance
     return heights, distances

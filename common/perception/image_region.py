@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from cliffscan.common.contract.camera import Affine, Camera, Region, scan_axes
+from cliffscan.common.contract.camera import Affine, Camera, scan_axes
 
 Millimetres = NDArray[np.uint16]
 
@@ -53,23 +53,30 @@ class ImageRegion:
 @lru_cache(maxsize=8)
 def image_region(camera: Camera, lower_than: float) -> ImageRegion:
     """The pixels of camera.region in whose rows anything lower than `lower_than` [m] above the floor can be seen."""
-    first_column, first_row, last_column, _ = camera.region
-    low = _rows(camera.cropped(camera.region), lower_than)
-    rows, columns = slice(first_row + low.start, first_row + low.stop), slice(first_column, last_column + 1)
-    part = scan_axes(camera.cropped(Region(first_column, rows.start, last_column, rows.stop - 1)))
-    _, left, _ = part
-    transposed = abs(left.rows[1] - left.rows[0]) > abs(left.columns[1] - left.columns[0])
-    forward, left, up = (Affine(axis.rows, axis.columns) if transposed else axis for axis in part)
+    first_column, first_row, last_column, last_row = camera.region
+    columns = slice(first_column, last_column + 1)
+    seen = [_part(axis, slice(first_row, last_row + 1), columns) for axis in scan_axes(camera)]
+    low = _rows(camera, seen[2], lower_than)
+    whole = slice(None)
+    forward, left, up = (_part(axis, low, whole) for axis in seen)
+    transposed = bool(abs(left.rows[1] - left.rows[0]) > abs(left.columns[1] - left.columns[0]))
+    if transposed:
+        forward, left, up = (Affine(axis.rows, axis.columns) for axis in (forward, left, up))
+    rows = slice(first_row + low.start, first_row + low.stop)
     return ImageRegion(camera, rows, columns, transposed, forward, left, up)
 
 
-def _rows(camera: Camera, lower_than: float) -> slice:
-    """From the first to the last such row; two at least, for fewer have no slope."""
-    _, _, up = scan_axes(camera)
-    steepest = up.rows + up.columns.min()
+def _part(axis: Affine, rows: slice, columns: slice) -> Affine:
+    """A quantity's part in some of the image."""
+    return Affine(axis.columns[columns], axis.rows[rows])
+
+
+def _rows(camera: Camera, up: Affine, lower_than: float) -> slice:
+    """From the first to the last such row of those of `up`; two at least, for fewer have no slope."""
     near, far = camera.range
+    steepest = up.rows + min(up.columns[0], up.columns[-1])
     lowest = camera.floor.d + steepest * np.where(steepest > 0.0, near, far)
     showing = np.flatnonzero(lowest <= lower_than)
     first, last = (int(showing[0]), int(showing[-1])) if len(showing) else (0, 1)
-    first = min(first, camera.height - 2)
+    first = min(first, len(up.rows) - 2)
     return slice(first, max(last, first + 1) + 1)

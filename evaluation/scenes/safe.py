@@ -11,6 +11,8 @@ from evaluation.scenes.scene import GROUND, Ramp, Scene
 ADA = math.tan(math.radians(4.76))  # 1 in 12
 STEEPEST = 5.0  # [deg]
 SILL = 0.015  # [m]
+CRESTS = (2.8, 3.2)  # [m] ahead, of ramps whose surface is still seen
+ROUGH = 0.01  # sine of the angle below which it is not
 
 
 def ground() -> Scene:
@@ -102,17 +104,30 @@ def ramp_up(rng: Rng, edges: Span) -> Scene:
 
 def ramp(rng: Rng, edges: Span, sign: float) -> Scene:
     """A ramp at any heading, its start anywhere before the end of sight; a third of all are as steep as ADA allows."""
-    scene, heading = Scene(), rng.uniform(-0.9, 0.9)
+    heading = rng.uniform(-0.9, 0.9)
     slope = ADA if rng.random() < 0.33 else math.tan(math.radians(rng.uniform(1.0, STEEPEST)))
     start, length = rng.uniform(0.4, edges[1]), rng.uniform(0.5, 5.0)
-    scene.ramp = Ramp(heading, start, length, sign * slope)
-    here, beyond = halves(heading, start)
-    normal = direction(heading)
+    return inclined(Ramp(heading, start, length, sign * slope))
+
+
+def ramp_ahead(rng: Rng, _edges: Span) -> Scene:
+    """A ramp of 3 to 5° downward that begins far ahead, of a rough surface that returns light from any angle."""
+    slope = math.tan(math.radians(rng.uniform(3.0, STEEPEST)))
+    scene = inclined(Ramp(rng.uniform(-0.3, 0.3), rng.uniform(*CRESTS), 5.0, -slope))
+    scene.grazing = ROUGH
+    return scene
+
+
+def inclined(ramp: Ramp) -> Scene:
+    """Level floor, a ramp, and level floor behind it."""
+    scene, normal = Scene(ramp=ramp), direction(ramp.heading)
+    end = ramp.start + ramp.length
+    here, beyond = halves(ramp.heading, ramp.start)
     scene.lay(here)
-    incline = at(clip(beyond, normal, start + length), 0.0)
-    incline[:, 2] = sign * slope * (incline[:, :2] @ normal - start)
+    incline = at(clip(beyond, normal, end), 0.0)
+    incline[:, 2] = ramp.slope * (incline[:, :2] @ normal - ramp.start)
     scene.faces.append(incline)
-    scene.lay(clip(beyond, -normal, -(start + length)), sign * slope * length)
+    scene.lay(clip(beyond, -normal, -end), ramp.slope * ramp.length)
     return scene
 
 

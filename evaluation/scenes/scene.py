@@ -10,11 +10,13 @@ import numpy as np
 
 from cliffscan.common.contract.camera import Floats
 from cliffscan.simulator.faces import at, circle, prism, sides
+from cliffscan.simulator.kinect import KinectModel
 from cliffscan.simulator.truth import BODY, Outline
 from evaluation.scenes.polygons import around, rectangle
 
 GROUND = rectangle(np.array([6.0, 0.0]), 16.0, 20.0, 0.0)  # farther than any sensor sees
 TALL = 2.5  # [m] of a wall
+GRAZING = KinectModel().grazing
 
 
 class Obstacle(NamedTuple):
@@ -51,6 +53,7 @@ class Scene:
     ramp: Ramp | None = None
     glossy: list[Floats] = field(default_factory=list)  # outlines on the floor where returns are lost
     dropout: float = 0.05  # share of the pixels that the sensor loses at random
+    grazing: float = GRAZING  # sine of the angle below which its surfaces return nothing: the rougher, the less
 
     def lay(self, outline: Floats, height: float = 0.0) -> None:
         """Add a level face, seen from above."""

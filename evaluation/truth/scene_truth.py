@@ -12,28 +12,32 @@ from cliffscan.simulator.truth import BODY
 from evaluation.scenes.polygons import crossing
 from evaluation.scenes.scene import Scene
 from evaluation.truth.beam_truth import Truth
-from evaluation.truth.sight import ROWS_BEFORE, in_view, lost_from, row_spacing, unobstructed
+from evaluation.truth.sight import ROWS_BEFORE, SURE, in_view, lost_from, row_spacing, unobstructed
 
 FARTHEST = 3.0  # [m] edges beyond are not asked for
 SHORTEST = 0.20  # [m] of hole along the beam
+LONG = (SHORTEST, math.inf)
 LEAST_ALLOWED = 0.02  # [m]
 EARLY = 0.05  # [m] beyond twice the allowed error, a number before the edge is false
 SINKING = 0.5  # [m] of a ramp that is seen before it is lost
 
 
-def truth_of(scene: Scene, camera: Camera, angles: Floats) -> Truth:
-    """The truth of a scene for beams of these azimuths (n,) [rad], evenly spaced; camera: where it truly is."""
+def truth_of(scene: Scene, camera: Camera, angles: Floats, lengths: tuple[float, float] = LONG) -> Truth:
+    """The truth of a scene for beams of these azimuths (n,) [rad], evenly spaced.
+
+    camera: where it truly is; lengths [m]: the least and the most of hole along a beam whose edge must be found.
+    """
     edge, end = first_drop(scene, angles)
     obstacle = first_obstacle(scene, angles)
     end = np.minimum(end, np.maximum(edge, obstacle))
     length = np.subtract(end, edge, out=np.zeros(len(angles)), where=np.isfinite(edge))
     allowed = allowed_error(camera, angles, edge)
-    asked = (edge <= FARTHEST) & (length >= SHORTEST) & (obstacle > edge)
+    asked = (edge <= FARTHEST) & (length >= lengths[0]) & (length <= lengths[1]) & (obstacle > edge)
     before = edge - ROWS_BEFORE * row_spacing(camera, angles, edge)
-    asked &= in_view(camera, angles, edge, SHORTEST)
+    asked &= in_view(camera, angles, edge, lengths[0])
     asked &= unobstructed(scene, camera, angles, edge) & unobstructed(scene, camera, angles, before)
     oblique = asked & (spread(scene, angles) > allowed)
-    lost, seen = lost_from(scene.ramp, camera, angles)
+    lost, seen = lost_from(scene.ramp, camera, angles, SURE * scene.grazing)
     first = np.minimum(earliest(edge, allowed), earliest(lost, allowed_error(camera, angles, lost)))
     undecidable = np.isfinite(lost)
     sinking = undecidable & (seen >= SINKING)

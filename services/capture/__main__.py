@@ -1,22 +1,27 @@
 """Depth frames of a Kinect, a recording or the simulator, each with its camera and floor plane."""
 
-from collections.abc import Iterator
+import logging
+from collections.abc import Callable, Iterator
 from contextlib import closing
 from dataclasses import replace
 
 from cliffscan.common.contract import topics
+from cliffscan.common.contract.camera import Camera
 from cliffscan.common.contract.depth_codec import LEVELS, RAW
 from cliffscan.common.contract.messages import DepthImage
 from cliffscan.common.runtime.service import PATIENCE, Service, main
 from cliffscan.services.capture.config import CaptureConfig
 from cliffscan.services.capture.description import Description
 from cliffscan.services.capture.floor.tracker import FloorTracker
+from cliffscan.services.capture.region import RegionLearner
 from cliffscan.services.capture.sources.depth_source import BadFrame, DepthFrame, Source, SourceEnded, SourceLost
 from cliffscan.services.capture.sources.frozen import REPEATED, FrozenWatch
 from cliffscan.services.capture.sources.kinds import KINDS
 from cliffscan.services.capture.sources.open_source import open_source
 
 BACK_OFF = (0.5, 8.0)  # [s] before the first and, doubled each time, before a later attempt to open a device
+
+log = logging.getLogger(__name__)
 
 
 def frames(service: Service[CaptureConfig]) -> Iterator[DepthFrame]:
@@ -26,11 +31,13 @@ def frames(service: Service[CaptureConfig]) -> Iterator[DepthFrame]:
     """
     description = Description(service)
     watch = None if KINDS[service.config.source].recorded else FrozenWatch(service.metrics)
+    bounds = Bounds()
     delay = BACK_OFF[0]
     while service.running:
         try:
             with closing(open_source(service.config)) as source:
-                for frame in located(described(new_frames(source, service, watch), service, description), service):
+                seen = bounded(new_frames(source, service, watch), service, bounds)
+                for frame in located(described(seen, service, description), service, lambda: bounds.note):
                     delay = BACK_OFF[0]
                     yield frame
         except SourceLost as error:
@@ -60,6 +67,34 @@ def new_frames(source: Source, service: Service[CaptureConfig], watch: FrozenWat
         yield frame
 
 
+class Bounds:
+    """The region that is learnt of a sensor, also while its device is opened again. note: which one it is, if any."""
+
+    def __init__(self) -> None:
+        self.note = ""
+        self._learner = RegionLearner()
+
+    def update(self, frame: DepthFrame) -> Camera:
+        """The frame's camera with what has been learnt up to it."""
+        region = self._learner.update(frame.depth)
+        note = f"no return from any pixel outside the region: capture.region = {list(region)}" if region else ""
+        if note != self.note:
+            self.note = note
+            log.info("%s", note or "a pixel outside the region returned something: all may")
+        return replace(frame.camera, seen=region)
+
+
+def bounded(frames: Iterator[DepthFrame], service: Service[CaptureConfig], bounds: Bounds) -> Iterator[DepthFrame]:
+    """The frames of one source, each with the camera that is configured, and with the region that is learnt if none is.
+
+    Raises ConfigError.
+    """
+    for frame in frames:
+        camera = service.config.camera(frame.camera)
+        configured = frame._replace(camera=camera)
+        yield configured if camera.seen else configured._replace(camera=bounds.update(configured))
+
+
 def described(
     frames: Iterator[DepthFrame], service: Service[CaptureConfig], description: Description
 ) -> Iterator[DepthFrame]:
@@ -72,22 +107,26 @@ def described(
         yield frame
 
 
-def located(frames: Iterator[DepthFrame], service: Service[CaptureConfig]) -> Iterator[DepthFrame]:
+def located(
+    frames: Iterator[DepthFrame], service: Service[CaptureConfig], standing: Callable[[], str] = str
+) -> Iterator[DepthFrame]:
     """The frames of one source, each with the floor that is seen in it, or as they are where the floor is fixed.
 
     A tracker starts from a frame's own floor. A frame that comes with another one is of another mount.
+    standing: what the status notes beside where the floor is.
     """
     tracker: FloorTracker | None = None
     for frame in frames:
         if service.config.floor == "fixed":
+            service.note = standing()
             yield frame
             continue
         nominal = frame.camera.floor
         if tracker is None or tracker.nominal != nominal:
             tracker = FloorTracker(nominal)
         floor = tracker.update(frame.depth, frame.camera)
-        service.note = tracker.note
-        if tracker.note:
+        service.note = "; ".join(filter(None, (standing(), tracker.note)))
+        if not tracker.measured:
             service.metrics.count("floor_kept")
         yield frame._replace(camera=replace(frame.camera, floor=floor))
 

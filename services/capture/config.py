@@ -1,20 +1,25 @@
 """The configuration of capture."""
 
 import math
+from dataclasses import replace
 from typing import TYPE_CHECKING, Annotated, ClassVar, Literal, Self
 
 from pydantic import Field, model_validator
 
-from cliffscan.common.contract.camera import Camera, FloorPlane, Intrinsics, check_camera
+from cliffscan.common.contract.camera import Camera, FloorPlane, Intrinsics, Region, check_camera
 from cliffscan.common.contract.description import TURTLEBOT_2, Place
+from cliffscan.common.contract.limits import MOST_NOISE, WIDEST_BASELINE
 from cliffscan.common.contract.message import ListAsTuple
 from cliffscan.common.runtime.config import ConfigError, Profiles, ServiceConfig
 from cliffscan.services.capture.sources.kinds import KINDS
+from cliffscan.simulator.sensors import SENSORS
 
 if TYPE_CHECKING:
     Source = str
+    Sensor = str
 else:
     Source = Literal[*KINDS, ""]
+    Sensor = Literal[*SENSORS]
 
 KINECT = (640, 480)  # pixels
 
@@ -44,6 +49,16 @@ class CaptureConfig(ServiceConfig):
     roll: Annotated[float, Field(ge=-180, le=180)] = 0.0
     """Angle [deg] by which the camera leans to its right; a depth folder brings its own."""
 
+    # what the sensor is like
+    noise: Annotated[float, Field(ge=0, le=MOST_NOISE)] = 0.0
+    """Standard deviation [1/m] of the sensor's inverse depth, steps included; 0 is what the source says of its sensor.
+    `cliffscan calibrate` measures it."""
+    baseline: Annotated[float, Field(ge=0, le=WIDEST_BASELINE)] = 0.0
+    """Distance [m] between the sensor's two eyes, or its eye and its projector; 0 is what the source says."""
+    region: Annotated[tuple[int, ...], ListAsTuple] = ()
+    """First column, first row, last column and last row [px] that can carry a return at all. While it is empty, what
+    the source says counts, or else what `capture` learns from its pictures. `cliffscan calibrate` measures it."""
+
     # where the camera stands on the base
     x: Annotated[float, Field(ge=-5, le=5)] = TURTLEBOT_2.x
     """Where the camera stands [m], ahead of the middle between the wheels; a TurtleBot 2's Kinect stands behind it."""
@@ -63,6 +78,8 @@ class CaptureConfig(ServiceConfig):
     """The world that the simulator shows: a file of simulator/worlds, or random:SEED."""
     simulation: str = ""
     """Address of a running `python -m simulator`, a path or HOST:PORT; with none, nothing moves."""
+    sensor: Sensor = "kinect"
+    """The sensor that is simulated."""
     seed: Annotated[int, Field(ge=0)] = 0
     """Seed of the simulated sensor's noise."""
 
@@ -78,6 +95,8 @@ class CaptureConfig(ServiceConfig):
 
     @model_validator(mode="after")
     def _possible(self) -> Self:
+        if len(self.region) not in (0, 4):
+            raise ValueError(f"region: {len(self.region)} numbers, expected none or four")
         check_camera(self.kinect())
         return self
 
@@ -99,3 +118,13 @@ class CaptureConfig(ServiceConfig):
     def kinect(self) -> Camera:
         """The Kinect as it is mounted."""
         return Camera(*KINECT, Intrinsics(*self.intrinsics), self.range, self.mounted_floor())
+
+    def camera(self, own: Camera) -> Camera:
+        """A source's own camera, with the noise, baseline and region that are configured. Raises ConfigError."""
+        seen = Region(*self.region) if self.region else own.seen
+        camera = replace(own, noise=self.noise or own.noise, baseline=self.baseline or own.baseline, seen=seen)
+        try:
+            check_camera(camera)
+        except ValueError as error:
+            raise ConfigError(f"capture.{error}") from error
+        return camera

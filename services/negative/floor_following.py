@@ -87,7 +87,8 @@ OBSTACLE_ROWS = f32(2.0)  # rows above that make an obstacle
 NO_RETURN_ROWS = f32(4.0)  # rows without floor that are chance
 NO_RETURN_ROUGHNESS = f32(4.0)  # noises; a floor rougher than that may return nothing
 # Unverified, and doubtful
-RECENT_ROWS = f32(4.0)  # rows ago that floor must have been seen where it leaves the sensor's range
+RECENT_ROWS, RECENT_LOOKS = f32(4.0), f32(2.0)  # rows ago, or rows that were looked at, that floor must have been seen
+# where it leaves the image or the sensor's range
 SKIPPED_ROWS, SKIPPED_LENGTH = f32(4.0), f32(0.05)  # rows and [m] without floor beyond which, or beyond the nearest
 # that a line can show, it may be another
 STRANGE_HEIGHT = f32(0.045)  # [m] above or below the plane; first seen there, it may be another
@@ -227,9 +228,11 @@ def floor_trace(
         nearest = latest_depth(fall_at_0[u] + due * fall_step[u], camera_height, spread[u], grazing)
         latest[u] = nearest if due >= ZERO else ZERO
     per_deviation = ONE / (camera_height * camera_height)
-    at = ZERO
+    at, recent_rows = ZERO, RECENT_ROWS
     for index in range(len(order)):
         at = np.float32(order[index])
+        rows = abs(at - np.float32(order[index - 1])) if index else ONE
+        recent_rows = max(RECENT_ROWS, RECENT_LOOKS * rows)
         fill_speckle(heights, index, step, filled)
         for u in range(many):
             height, ended, last_row, last_sure = filled[u], end[u], floor_row[u], sure_row[u]
@@ -278,7 +281,7 @@ def floor_trace(
             # why the line ends, if it does
             drop = (is_below & (deep >= DEEP_ROWS)) | (settled & (fall > step)) | (is_floor & was_below & started)
             occluded = is_above & (above >= OBSTACLE_ROWS)
-            unverified = (not started) | doubtful | (rows_since > RECENT_ROWS)
+            unverified = (not started) | doubtful | (rows_since > recent_rows)
             verdict = GOING if in_range else (UNVERIFIED if unverified else REACHED_RANGE)
             verdict = (NO_RETURN if gap else OCCLUDED) if occluded else verdict
             verdict = NO_RETURN if looking & missing & gap else verdict
@@ -312,7 +315,6 @@ def floor_trace(
             roughness[u] = rough if smooth else last_rough
             rows_below[u], rows_deep[u] = ZERO if take else below, ZERO if take else deep
             rows_above[u] = ZERO if take else above
-        rows = abs(at - np.float32(order[index - 1])) if index else ONE
         follow_fall(
             at, rows, filled, lines, camera_height, noise, end, floor_row, level, brink_row, brink_level, usual, fallen
         )
@@ -324,7 +326,7 @@ def floor_trace(
             break
     for u in range(many):
         if end[u] == GOING:
-            recent = floor_row[u] >= ZERO and (floor_row[u] - at) * outward <= RECENT_ROWS
+            recent = floor_row[u] >= ZERO and (floor_row[u] - at) * outward <= recent_rows
             end[u] = REACHED_RANGE if recent and sure_row[u] == floor_row[u] else UNVERIFIED
         if sure_row[u] == floor_row[u]:
             sure_level[u] = level[u]

@@ -16,7 +16,7 @@ class PositiveConfig(ImageScanConfig):
     PROFILES: ClassVar[Profiles] = {"paper": {"flat_floor": True}}
 
     flat_floor: bool = False
-    """Whether the floor is taken to be flat, as in the paper: no ramp is floor."""
+    """Whether the floor is taken to be flat and measured exactly, as in the paper: no ramp is floor, and no noise."""
     robot_height: Annotated[float, Field(gt=0)] = 0.42
     """Height [m] of the robot; it passes under what is higher. Where it is not set, the height that the base describes
     counts, and a TurtleBot 2's until one does."""

@@ -91,7 +91,7 @@ class HangingCamera:
         self._sender.start()
 
     def _send(self):
-        header = {"intrinsics": CAMERA.intrinsics, "range": CAMERA.range}
+        header = {"intrinsics": CAMERA.intrinsics, "range": CAMERA.range, "noise": 0.002, "baseline": 0.05}
         depth = FRAMES[1]
         while not self._ended.wait(1 / 30):
             if not self.hangs.is_set():

@@ -28,12 +28,16 @@ class Belief(NamedTuple):
 
 
 class Prior(NamedTuple):
-    """Where a floor is and where it cannot be: s outside low to high (3,), or steeper than `slope` either way."""
+    """Where a floor is and where it cannot be: s outside low to high (3,), or steeper than `slope` either way.
+
+    known: whether floors were seen from this mount before.
+    """
 
     belief: Belief
     low: Floats
     high: Floats
     slope: float
+    known: bool
 
     def allows(self, planes: Floats) -> Flags:
         """Which of the planes (n, 3) can be the floor."""

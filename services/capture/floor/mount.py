@@ -41,7 +41,12 @@ class Mount:
         reach = SIGMAS * np.sqrt(np.diag(belief.covariance))
         low, high = belief.mean - reach, belief.mean + reach
         low[2], high[2] = max(low[2], self._height / highest), min(high[2], self._height / lowest)
-        return Prior(belief, low, high, math.tan(tilt))
+        return Prior(belief, low, high, math.tan(tilt), self._known)
+
+    @property
+    def rise(self) -> float:
+        """How much higher [m] than its nominal height the camera stands, as far as it is known."""
+        return self._height / float(np.linalg.norm(self._mean)) - self._height
 
     def learn(self, found: Belief, prior: Belief) -> None:
         """Take in a floor that was found with this prior."""

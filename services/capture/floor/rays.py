@@ -1,8 +1,8 @@
 """The rays on which the floor is looked for: a fixed fan of pixels, and what a floor makes of each.
 
-The inverse depth of a plane is affine in (u, v), and a Kinect's noise is constant in it. So with the plane written as
-s = (a k, b k, k), where a and b are its slopes forward and left against the nominal floor and k = nominal height over
-height, each ray's inverse depth is g·s: a linear regression, unbiased, with known noise.
+The inverse depth of a plane is affine in (u, v), and a sensor's noise is taken to be constant in it. So with the plane
+written as s = (a k, b k, k), where a and b are its slopes forward and left against the nominal floor and k = nominal
+height over height, each ray's inverse depth is g·s: a linear regression, unbiased, with known noise.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from cliffscan.common.contract.camera import KINECT_NOISE, Camera, FloorPlane, axes
+from cliffscan.common.contract.camera import Camera, FloorPlane, axes
 
 Floats = NDArray[np.float64]
 Singles = NDArray[np.float32]
@@ -60,12 +60,12 @@ class FloorRays:
 
 
 def floor_rays(camera: Camera, nominal: FloorPlane) -> FloorRays:
-    """The rays of `camera` for a floor near `nominal`."""
+    """The rays of `camera` for a floor near `nominal`, in the pixels that can carry a return."""
     basis = np.stack(axes(nominal))
     u, v, inside = _fan(camera, basis, nominal.d)
     slopes = -np.einsum("ij,jkl->ikl", basis, _rays(camera, u, v)) / nominal.d
     predicted = np.maximum(slopes[2], 0.0)
-    sigma = np.hypot(KINECT_NOISE, predicted * WAVINESS / nominal.d)
+    sigma = np.hypot(camera.noise, predicted * WAVINESS / nominal.d)
     low, high = _limits(camera, slopes, nominal.d, 3.0 * sigma)
     return FloorRays(
         nominal=nominal,
@@ -85,7 +85,7 @@ def _rays(camera: Camera, u: NDArray[np.intp], v: NDArray[np.intp]) -> Floats:
 
 
 def _fan(camera: Camera, basis: Floats, height: float) -> tuple[NDArray[np.intp], NDArray[np.intp], Flags]:
-    """The pixel (u, v) of each ray, and whether it is in the image."""
+    """The pixel (u, v) of each ray, and whether it is in the region."""
     azimuths, depressions = _field_of_view(camera, basis, height)
     azimuth, depression = np.meshgrid(azimuths, depressions, indexing="ij")
     level = np.cos(depression)
@@ -95,13 +95,15 @@ def _fan(camera: Camera, basis: Floats, height: float) -> tuple[NDArray[np.intp]
     z = np.where(ahead, z, 1.0)
     fx, fy, cx, cy = camera.intrinsics
     u, v = np.rint(fx * x / z + cx), np.rint(fy * y / z + cy)
-    inside = ahead & (u >= 0) & (u < camera.width) & (v >= 0) & (v < camera.height)
+    left, top, right, bottom = camera.region
+    inside = ahead & (u >= left) & (u <= right) & (v >= top) & (v <= bottom)
     return np.where(inside, u, 0).astype(np.intp), np.where(inside, v, 0).astype(np.intp), inside
 
 
 def _field_of_view(camera: Camera, basis: Floats, height: float) -> tuple[Floats, Floats]:
     """Azimuths (BEAMS,) and depressions (RINGS,) [rad] at which the camera may see floor, the nearest first."""
-    v, u = np.mgrid[0 : camera.height - 1 : 33j, 0 : camera.width - 1 : 33j]
+    first_column, first_row, last_column, last_row = camera.region
+    v, u = np.mgrid[first_row:last_row:33j, first_column:last_column:33j]
     forward, left, up = np.einsum("ij,jkl->ikl", basis, _rays(camera, u, v))
     azimuth, depression = np.arctan2(left, forward), np.arctan2(-up, np.hypot(forward, left))
     shallowest = math.atan2(height, 1.5 * camera.range[1]) - TILT

@@ -13,11 +13,14 @@ from cliffscan.services.capture.floor.fit import Fit, Unseen, find
 from cliffscan.services.capture.floor.mount import Mount
 from cliffscan.services.capture.floor.rays import FloorRays, floor_rays
 
+MISMATCH = 0.026  # [m] between the camera's height measured and as it was told: more than a tape is wrong
+
 
 class FloorTracker:
     """Estimates the floor plane of each frame of a camera whose mount is about `nominal`: within 5° and 5 cm.
 
-    note: why the last frame's plane was kept from an earlier one; empty where it was measured.
+    note: why the last frame's plane was kept from an earlier one, or what is odd of the measured one; or empty.
+    measured: whether the last frame's plane was measured in it.
     residual: rms height [m] of the floor's rays over the last plane measured; nan before the first.
     share: which part of the rays that may have seen floor lie on the last frame's, 0 to 1.
     """
@@ -25,17 +28,13 @@ class FloorTracker:
     def __init__(self, nominal: FloorPlane) -> None:
         self.nominal = nominal
         self.note = ""
+        self.measured = True
         self.residual = math.nan
         self.share = 0.0
         self._floor = nominal
         self._mount = Mount(nominal.d)
         self._rays: tuple[Camera, FloorRays] | None = None
         self._turn = 0
-
-    @property
-    def measured(self) -> bool:
-        """Whether the last frame's plane was measured in it."""
-        return not self.note
 
     def update(self, depth: NDArray[np.uint16], camera: Camera) -> FloorPlane:
         """The floor of this frame; the last one again where none is seen.
@@ -50,14 +49,23 @@ class FloorTracker:
             self._floor = _possible(rays.plane(fit.belief.mean))
         except Unseen as why:
             self._mount.miss()
-            self.note, self.share = f"floor not seen, {why}: keeping the last plane", 0.0
+            self.measured, self.share = False, 0.0
+            self.note = f"floor not seen, {why}: keeping the last plane"
             return self._floor
         self._mount.learn(fit.belief, prior.belief)
         self._tell(fit)
         return self._floor
 
     def _tell(self, fit: Fit) -> None:
-        self.note, self.residual, self.share = "", fit.residual, fit.share
+        self.measured, self.residual, self.share = True, fit.residual, fit.share
+        rise = self._mount.rise
+        self.note = ""
+        if abs(rise) > MISMATCH:
+            self.note = (
+                f"the floor is {100 * abs(rise):.0f} cm {'lower' if rise > 0 else 'higher'} than the mount has it: "
+                "measure the mount with `cliffscan calibrate`; if it is right, the depth's scale is wrong by "
+                f"{abs(rise) / self.nominal.d:.0%}"
+            )
 
     def _rays_of(self, camera: Camera) -> FloorRays:
         if self._rays is None or self._rays[0] != camera:

@@ -1,15 +1,17 @@
-"""Depth frames of a simulated Kinect in one of the simulator's worlds."""
+"""Depth frames of a simulated sensor in one of the simulator's worlds."""
 
+import math
 import time
-from dataclasses import replace
 
-from cliffscan.common.contract.camera import FloorPlane
+from cliffscan.common.contract.camera import Camera
 from cliffscan.common.runtime.config import ConfigError
 from cliffscan.services.capture.config import CaptureConfig
 from cliffscan.services.capture.sources.depth_source import DepthFrame, Source
 from cliffscan.services.capture.sources.simulation import Simulation
 from cliffscan.simulator.camera import SimulatedKinect
-from cliffscan.simulator.kinect import kinect_camera
+from cliffscan.simulator.kinect import SensorModel
+from cliffscan.simulator.sensor_models import MODELS
+from cliffscan.simulator.sensors import sensor_camera
 
 
 def open_configured(config: CaptureConfig) -> Source:
@@ -19,7 +21,8 @@ def open_configured(config: CaptureConfig) -> Source:
     """
     if config.simulation:
         return Simulation(config.simulation, config.mounted_floor())
-    return Simulated(config.world, config.mounted_floor(), config.rate, config.seed)
+    camera = sensor_camera(config.sensor, config.height, math.radians(config.pitch), math.radians(config.roll))
+    return Simulated(config.world, camera, MODELS[config.sensor], config.rate, config.seed)
 
 
 class Simulated:
@@ -28,9 +31,9 @@ class Simulated:
     A frame that takes longer than its period is not made up for: the rate falls, and the service's status shows it.
     """
 
-    def __init__(self, world: str, floor: FloorPlane, rate: float, seed: int) -> None:
+    def __init__(self, world: str, camera: Camera, model: SensorModel, rate: float, seed: int) -> None:
         try:
-            self._kinect = SimulatedKinect(world, replace(kinect_camera(), floor=floor), seed=seed)
+            self._kinect = SimulatedKinect(world, camera, model, seed)
         except ValueError as error:
             raise ConfigError(f"capture.world: {error}") from error
         self._kinect.frame()  # compiles

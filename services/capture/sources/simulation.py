@@ -69,7 +69,8 @@ class Simulation:
         try:
             near, far = map(float, header["range"])
             intrinsics = Intrinsics(*map(float, header["intrinsics"]))
-            camera = Camera(columns, rows, intrinsics, (near, far), self._floor)
+            sensor = float(header["noise"]), float(header["baseline"])
+            camera = Camera(columns, rows, intrinsics, (near, far), self._floor, *sensor)
             check_camera(camera)
             return DepthFrame(depth.astype(np.uint16, copy=False), int(header["stamp"]), camera)
         except (KeyError, TypeError, ValueError) as error:

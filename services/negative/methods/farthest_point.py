@@ -8,7 +8,7 @@ from numba import njit
 from cliffscan.common.contract.beam_fields import Beams, Ranges
 from cliffscan.common.contract.beam_grid import Grid
 from cliffscan.common.contract.evidence import Evidence
-from cliffscan.common.perception.beam_reduction import NOTHING, Indices, beam_reduction, min_per_beam
+from cliffscan.common.perception.beam_reduction import NOTHING, min_per_beam
 from cliffscan.common.perception.combine import beams_with
 from cliffscan.common.perception.floor_points import FloorPoints, Metres
 from cliffscan.common.perception.scans import ImageScanConfig
@@ -26,19 +26,15 @@ def farthest_point(points: FloorPoints, grid: Grid, floor_band: float) -> Ranges
 
     A floor point lies within floor_band [m] of the floor plane. Paper: algorithm 1, equations (1) to (3).
     """
-    reduction = beam_reduction(points.region, grid)
-    return -min_per_beam(nearness(points.heights, points.distances, reduction.starts, floor_band), reduction)
+    return -min_per_beam(nearness(points.heights, points.distances, np.float32(floor_band)), points.region, grid)
 
 
 @njit(cache=True)
-def nearness(heights: Metres, distances: Metres, starts: Indices, floor_band: float) -> Metres:
-    """Less the distance [m] of the farthest floor point of each column, in each stretch: (stretches, columns)."""
-    farthest = np.full((len(starts) - 1, heights.shape[1]), NOTHING)
-    for stretch in range(len(starts) - 1):
-        for row in range(starts[stretch], starts[stretch + 1]):
-            for column in range(heights.shape[1]):
-                floor = abs(heights[row, column]) <= floor_band
-                value = -distances[row, column] if floor else NOTHING
-                before = farthest[stretch, column]
-                farthest[stretch, column] = value if value < before else before
-    return farthest
+def nearness(heights: Metres, distances: Metres, floor_band: np.float32) -> Metres:
+    """Less the distance [m] of each pixel's point where it is floor: (rows, columns)."""
+    near = np.empty_like(distances)
+    for row in range(heights.shape[0]):
+        for column in range(heights.shape[1]):
+            height, distance = heights[row, column], distances[row, column]
+            near[row, column] = -distance if abs(height) <= floor_band else NOTHING
+    return near

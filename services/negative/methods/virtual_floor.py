@@ -8,7 +8,7 @@ from numba import njit
 from cliffscan.common.contract.beam_fields import Beams, Ranges
 from cliffscan.common.contract.beam_grid import Grid
 from cliffscan.common.contract.evidence import Evidence
-from cliffscan.common.perception.beam_reduction import LOOKED, NOTHING, Indices, beam_reduction, min_per_beam
+from cliffscan.common.perception.beam_reduction import LOOKED, NOTHING, min_per_beam
 from cliffscan.common.perception.combine import beams_with
 from cliffscan.common.perception.floor_points import FloorPoints, Metres
 from cliffscan.common.perception.scans import ImageScanConfig
@@ -27,25 +27,19 @@ def virtual_floor(points: FloorPoints, grid: Grid, floor_band: float) -> Ranges:
     Below the floor means by more than floor_band [m]. +inf where floor and nothing below it was seen, NaN where
     neither was. Paper: algorithm 2, equations (4) and (5).
     """
-    reduction = beam_reduction(points.region, grid)
     band, height = np.float32(floor_band), np.float32(points.region.camera.floor.d)
-    moved = projected(points.heights, points.distances, reduction.starts, band, height)
-    return min_per_beam(moved, reduction)
+    moved = projected(points.heights, points.distances, band, height)
+    return min_per_beam(moved, points.region, grid)
 
 
 @njit(cache=True, error_model="numpy")
-def projected(
-    heights: Metres, distances: Metres, starts: Indices, floor_band: np.float32, camera_height: np.float32
-) -> Metres:
-    """The nearest moved point [m] of each column, in each stretch: (stretches, columns)."""
-    nearest = np.full((len(starts) - 1, heights.shape[1]), NOTHING)
-    for stretch in range(len(starts) - 1):
-        for row in range(starts[stretch], starts[stretch + 1]):
-            for column in range(heights.shape[1]):
-                height = heights[row, column]
-                share = camera_height / (camera_height - height)  # y'/y: x moves by equation (4), y by (5)
-                value = distances[row, column] * share if height < -floor_band else LOOKED
-                value = value if height <= floor_band else NOTHING
-                before = nearest[stretch, column]
-                nearest[stretch, column] = value if value < before else before
-    return nearest
+def projected(heights: Metres, distances: Metres, floor_band: np.float32, camera_height: np.float32) -> Metres:
+    """How far [m] each pixel's point is once it is moved: (rows, columns)."""
+    moved = np.empty_like(distances)
+    for row in range(heights.shape[0]):
+        for column in range(heights.shape[1]):
+            height, distance = heights[row, column], distances[row, column]
+            share = camera_height / (camera_height - height)  # y'/y: x moves by equation (4), y by (5)
+            value = distance * share if height < -floor_band else LOOKED
+            moved[row, column] = value if height <= floor_band else NOTHING
+    return moved

@@ -3,15 +3,17 @@
 import numpy as np
 import pytest
 
-from benchmarks.accuracy.cases import BUILD, Case, camera_of, some_cases
-from benchmarks.accuracy.frames import KNOWN, PLANES, SETTLING, UNKNOWN, WOBBLE_FRAMES, WOBBLING, frames_of
+from benchmarks.accuracy.cases import Case, camera_of, scene_of, some_cases
+from benchmarks.accuracy.frames import KNOWN, PLANES, SETTLING, UNKNOWN, WOBBLE_FRAMES, WOBBLING, Sensor, frames_of
 from benchmarks.accuracy.measure import EVERY, measure
 from benchmarks.accuracy.report import report
 from benchmarks.accuracy.rows import worst
+from benchmarks.accuracy.setups import BUILD, LEVEL, MOUNTED, SETUPS
+from cliffscan.simulator.kinect import KinectModel
 from evaluation.tables import write_csv
 
 SCAN = "virtual_floor"
-CASES = some_cases(4, seed=3)
+CASES = some_cases(4, seed=3, setups=(LEVEL, MOUNTED))
 
 
 def figures(table):
@@ -35,7 +37,7 @@ def test_order_of_the_cases_changes_nothing(table):
 
 def test_report_and_records_name_every_case_and_scan(table, tmp_path):
     text = report(table)
-    assert "## Camera level, plane known" in text
+    assert "## Setup level, plane known" in text
     assert all(f"| {scan} |" in text for scan in (SCAN, "paper"))
     write_csv((row.record() for row in table.rows), tmp_path / "cases.csv")
     lines = (tmp_path / "cases.csv").read_text().splitlines()
@@ -48,14 +50,38 @@ def test_all_kinds_are_among_the_cases():
     assert len({case.kind for case in some_cases(400, seed=1)[::EVERY]}) > len(BUILD) // 2
 
 
-@pytest.mark.parametrize("case", [Case("hole", 12), Case("stairs", 7, "mounted")])
+@pytest.mark.parametrize("case", [Case("hole", 12), Case("stairs", 7, "mounted"), Case("ramp_ahead", 3, "ramps")])
 def test_name_of_a_case_leads_back_to_it(case):
     assert Case.parse(case.name) == case
 
 
-def test_unknown_case_is_refused():
+@pytest.mark.parametrize("name", ["volcano:1", "airborne-hole:1"])
+def test_unknown_case_is_refused(name):
     with pytest.raises(ValueError, match="is no case"):
-        Case.parse("volcano:1")
+        Case.parse(name)
+
+
+def test_each_setup_has_its_cases_and_none_changes_anothers():
+    all_of = some_cases(20, seed=5)
+    assert {case.group for case in all_of} == set(SETUPS)
+    for name in SETUPS:
+        assert some_cases(20, seed=5, setups=(name,)) == [case for case in all_of if case.group == name]
+
+
+def test_a_column_that_no_scan_has_a_figure_for_is_left_out():
+    flat = measure(some_cases(4, seed=3, setups=("flat",)), [SCAN])
+    headings = next(line for line in report(flat).splitlines() if line.startswith("| scan"))
+    assert headings == "| scan | false, safe | blind |"
+
+
+def test_the_border_returns_nothing_and_is_told():
+    (frame,) = frames_of(Case("open_floor", 1, "border"), KNOWN)
+    left, top, right, bottom = frame.camera.region
+    lost = frame.depth.copy()
+    lost[top : bottom + 1, left : right + 1] = 0
+    assert frame.camera.seen is not None
+    assert not lost.any()
+    assert frame.depth[bottom, left : right + 1].any()
 
 
 def test_known_plane_is_the_true_one():
@@ -83,3 +109,13 @@ def test_frames_are_the_same_again():
         one, other = next(frames_of(CASES[1], plane)), next(frames_of(CASES[1], plane))
         assert np.array_equal(one.depth, other.depth)
         assert one.camera == other.camera
+
+
+@pytest.mark.parametrize("group", ["stereo", "flight"])
+def test_a_sensor_has_the_noise_that_its_camera_tells(group):
+    (frame,) = frames_of(Case("open_floor", 1, group), KNOWN)
+    exact = Sensor(scene_of(Case("open_floor", 1, group)), np.random.default_rng(1), KinectModel()).exact(frame.true)
+    near = (frame.depth > 0) & (exact > 0.7) & (exact < 1.2)
+    off = 1.0 / (frame.depth[near] * 1e-3) - 1.0 / exact[near]
+    assert near.sum() > 1000
+    assert off.std() == pytest.approx(frame.camera.noise, rel=0.35)

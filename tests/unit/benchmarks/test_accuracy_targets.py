@@ -7,8 +7,10 @@ import pytest
 from benchmarks.accuracy.cases import some_cases
 from benchmarks.accuracy.frames import KNOWN, TRACKED, UNKNOWN
 from benchmarks.accuracy.measure import measure
+from benchmarks.accuracy.setups import LEVEL, MOUNTED
 
-CASES = some_cases(40, seed=1)
+CASES = some_cases(40, seed=1, setups=(LEVEL, MOUNTED))
+OTHERS = ("rolled", "border")
 TRACKED_PLANE = f"{UNKNOWN}, {TRACKED}"
 PLANES = (KNOWN, TRACKED_PLANE)
 
@@ -42,6 +44,18 @@ def test_cameras_at_any_mount_are_nearly_as_good(plane):
     assert ours.late <= 0.001
     assert ours.false_safe <= 0.001
     assert ours.relative95 <= 1.6
+
+
+def test_cameras_at_any_roll_and_with_an_empty_border_are_as_good():
+    cases = some_cases(160, seed=1, setups=OTHERS)
+    found = measure(cases, ["near_edge"])
+    for group in OTHERS:
+        ours = found.figures("near_edge", group)
+        assert ours.found >= 0.98
+        assert ours.late <= 0.001
+        assert ours.false_safe <= 0.001
+        assert ours.blind <= 0.005
+        assert ours.relative95 <= 1.6
 
 
 @pytest.mark.parametrize("plane", PLANES)

@@ -221,6 +221,19 @@ def test_a_floor_that_is_measured_in_each_frame_is_described_once(monkeypatch):
     assert told.camera == CameraDescription.of(view, service.config.frame, simulated=False)
 
 
+def test_the_nearest_floor_that_is_described_follows_the_border_that_is_learnt(monkeypatch):
+    service = build.service("capture", CaptureConfig(source="kinect"))
+    view = scenes.camera(320, 240, FloorPlane.from_mount(0.3), (0.3, 9.0))
+    picture = np.where(np.arange(240)[:, None] < 220, scenes.depth(view), 0)
+    depths = [(scale * picture).astype(np.uint16) for scale in (1.0, 1.2, 1.5, 1.6)]
+    monkeypatch.setattr(capture, "open_source", Script([DepthFrame(d, 1, view) for d in depths]).open)
+    monkeypatch.setattr(description, "SOONEST", 0.0)
+    assert [each.camera.region.last_row for each in capture.frames(service)] == [239, 239, 219, 219]
+    before, after = (each.camera.nearest_floor for each in service.bus.said["description"])
+    fy, cy = view.intrinsics.fy, view.intrinsics.cy
+    assert (before, after) == pytest.approx((0.3 * fy / (239 - cy), 0.3 * fy / (219 - cy)))
+
+
 @pytest.mark.parametrize(("source", "simulated"), [("kinect", False), ("simulator", True), ("replay", True)])
 def test_what_is_not_of_here_and_now_is_described_as_simulated(monkeypatch, source, simulated):
     service = build.service("capture", CaptureConfig(source=source, floor="fixed"))

@@ -5,8 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from cliffscan.common.contract.camera import FloorPlane
-from cliffscan.services.capture.__main__ import located
+from cliffscan.common.contract.camera import FloorPlane, Region
+from cliffscan.common.runtime.config import ConfigError
+from cliffscan.services.capture.__main__ import Bounds, bounded, located
 from cliffscan.services.capture.config import CaptureConfig
 from cliffscan.services.capture.sources.depth_source import DepthFrame
 from tests import build, scenes
@@ -31,7 +32,7 @@ def service():
 
 
 def test_the_floor_is_measured_around_the_frames_own(service):
-    (found,) = floors(service, frame(FLOOR, FloorPlane.from_mount(0.33, 0.05, -0.03)))
+    (found,) = floors(service, frame(FLOOR, FloorPlane.from_mount(0.32, 0.05, -0.03)))
     assert found == pytest.approx(TRUE, abs=1e-3)
     assert service.note == ""
 
@@ -56,3 +57,43 @@ def test_a_fixed_floor_is_left_alone():
     nominal = FloorPlane.from_mount(0.33, 0.05, -0.03)
     assert floors(service, frame(FLOOR, nominal), frame(NOTHING, nominal)) == [nominal, nominal]
     assert service.note == ""
+
+
+def cameras(config, *frames):
+    service = build.service("capture", config)
+    return [each.camera for each in bounded(iter(frames), service, Bounds())]
+
+
+def test_what_is_configured_of_the_sensor_goes_out_with_each_frame():
+    config = CaptureConfig(noise=0.004, baseline=0.05, region=[1, 2, 300, 200])
+    (camera,) = cameras(config, frame(FLOOR, TRUE))
+    assert camera == replace(CAMERA, noise=0.004, baseline=0.05, seen=Region(1, 2, 300, 200))
+
+
+def test_what_is_not_configured_of_the_sensor_is_what_its_source_says():
+    own = replace(CAMERA, noise=0.002, baseline=0.0, seen=Region(0, 0, 319, 230))
+    assert cameras(CaptureConfig(), DepthFrame(FLOOR, 1, own)) == [own]
+
+
+def test_a_region_outside_the_image_is_refused_with_one_line():
+    with pytest.raises(ConfigError, match=r"^capture\.region: .* of an image of 320x240$"):
+        cameras(CaptureConfig(region=[0, 0, 639, 470]), frame(FLOOR, TRUE))
+    with pytest.raises(ValueError, match="expected none or four"):
+        CaptureConfig(region=[0, 0, 319])
+
+
+def test_a_border_that_is_learnt_is_noted_logged_once_and_sent(service, caplog):
+    caplog.set_level("INFO")
+    bounds = Bounds()
+    pictures = [np.where(np.arange(240)[:, None] < 230, FLOOR, 0).astype(np.uint16)]
+    pictures += [np.where(pictures[0] > 0, 700 * n, 0).astype(np.uint16) for n in (1, 2, 3)]
+    seen = bounded((frame(each, TRUE) for each in (*pictures, *pictures)), service, bounds)
+    found = [each.camera.seen for each in located(seen, service, lambda: bounds.note)]
+    assert found[-1] == Region(0, found[-1].first_row, 319, 229)
+    assert found[0] is None
+    told = f"capture.region = {list(found[-1])}"
+    assert told in service.note
+    assert sum(told in each.message for each in caplog.records) == 1
+    beyond = bounded(iter([frame(np.full_like(FLOOR, 800), TRUE)]), service, bounds)
+    assert [each.camera.seen for each in beyond] == [None]
+    assert bounds.note == ""

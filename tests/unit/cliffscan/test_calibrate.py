@@ -10,8 +10,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from cliffscan.calibrate import NotMeasured, measure
-from cliffscan.common.contract.camera import FloorPlane
+from cliffscan.common.contract.camera import KINECT_NOISE, FloorPlane
 from cliffscan.common.contract.messages import DepthImage
+from cliffscan.simulator.camera import SimulatedKinect
+from cliffscan.simulator.sensor_models import MODELS
+from cliffscan.simulator.sensors import SENSORS, sensor_camera
 from tests import scenes
 
 TRUE = (0.345, math.radians(12.3), math.radians(-1.4))
@@ -37,6 +40,30 @@ def test_the_lines_configure_the_mount_that_was_measured(nominal):
     assert "floor seen in 2 of 3 frames" in told
     assert "residual" in told
     assert "scatter" in told
+
+
+@pytest.mark.parametrize("name", SENSORS)
+@pytest.mark.parametrize(("height", "pitch"), [(0.3, 0.0), (0.8, 0.4)])
+def test_the_noise_of_a_sensor_is_measured_on_the_floor(name, height, pitch):
+    eye = sensor_camera(name, height, pitch)
+    sensor = SimulatedKinect("open_floor", eye, MODELS[name], seed=1)
+    kinect = replace(eye, noise=KINECT_NOISE)  # as a camera that nobody configured has it
+    frames = (DepthImage.pack(0, 1, "camera", sensor.frame(), kinect, "16UC1") for _ in range(2))
+    found = measure(frames, None)
+    table = tomllib.loads(found.lines())["capture"]
+    assert table["noise"] == pytest.approx(found.noise.whole, abs=1e-5)
+    if eye.baseline:  # its noise is constant in the inverse depth
+        assert found.noise == pytest.approx([eye.noise] * 3, rel=0.15)
+    else:
+        assert found.noise.far < found.noise.whole < found.noise.near < 2.5 * eye.noise
+
+
+@pytest.mark.parametrize("last_row", [239, 230])
+def test_the_region_is_measured_on_a_floor_that_a_person_vouches_for(last_row):
+    depth = scenes.depth(CAMERA, wall=20.0)
+    depth[last_row + 1 :] = 0
+    told = measure(iter([image(depth)] * 2), None).lines()
+    assert tomllib.loads(told)["capture"].get("region", [0, 0, 319, 239]) == [0, 0, 319, last_row]
 
 
 @pytest.mark.parametrize(

@@ -4,11 +4,11 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import Phase, given, settings
 from hypothesis import strategies as st
 
 from cliffscan.common.contract.beam_grid import Grid
-from cliffscan.common.perception.beam_reduction import LOOKED, NOTHING, beam_reduction, min_per_beam
+from cliffscan.common.perception.beam_reduction import BLOCK, LOOKED, NOTHING, min_per_beam
 from cliffscan.common.perception.image_region import image_region
 from tests import naive
 from tests.build import camera
@@ -16,39 +16,29 @@ from tests.build import camera
 GRID = Grid.between(33, -0.4, 0.4)
 
 
-def beams_of(reduction, row, column):
-    """The beams that see a pixel: those that get what its column carries from its stretch on."""
-    stretch = np.searchsorted(reduction.starts, row, side="right") - 1
-    for given_column, first, end in reduction.handed_over[reduction.ends[stretch] :]:
-        if given_column == column:
-            return set(range(first, end))
-    raise AssertionError(f"no beam is ever given column {column}")
+def beams_of(view, grid, row, column):
+    """The beams that see a pixel of a view: those that have a range where it alone says anything."""
+    values = np.full(view.shape, NOTHING)
+    values[row, column] = 1.0
+    return set(np.flatnonzero(~np.isnan(min_per_beam(values, view, grid))))
 
 
-def told_by(reduction, columns, row, column, value=1.0):
-    """The ranges of a view in which one pixel alone says anything."""
-    values = np.full((len(reduction.starts) - 1, columns), NOTHING)
-    values[np.searchsorted(reduction.starts, row, side="right") - 1, column] = value
-    return min_per_beam(values, reduction)
+def seen_by_naive(lens, grid, view):
+    """The beams that see each pixel of a view; not those pixels that look backward, for they hold no point."""
+    expected = {}
+    for row, column, beam in naive.pixels_of_beams(lens, grid):
+        expected.setdefault((row, column), set()).add(beam)
+    for row, column in np.ndindex(view.shape):
+        v, u = (column, row) if view.transposed else (row, column)
+        v += view.rows.start
+        if naive.axes(lens)[0].dot(naive.ray(lens, v, u)) > 0:
+            yield row, column, expected.get((v, u), set())
 
 
 def assert_sees_what_naive_sees(lens, grid, lower_than=math.inf):
     view = image_region(lens, lower_than)
-    reduction = beam_reduction(view, grid)
-    expected = {}
-    for row, column, beam in naive.pixels_of_beams(lens, grid):
-        expected.setdefault((row, column), set()).add(beam)
-    rows, columns = view.shape
-    for row in range(rows):
-        for column in range(columns):
-            v, u = (column, row) if view.transposed else (row, column)
-            v += view.rows.start
-            if naive.axes(lens)[0].dot(naive.ray(lens, v, u)) <= 0:
-                continue  # what looks backward holds no point
-            found = beams_of(reduction, row, column)
-            assert found == expected.get((v, u), set()), f"pixel {v}, {u}"
-            told = told_by(reduction, columns, row, column)
-            assert set(np.flatnonzero(~np.isnan(told))) == found
+    for row, column, expected in seen_by_naive(lens, grid, view):
+        assert beams_of(view, grid, row, column) == expected, f"pixel {row}, {column}"
 
 
 @pytest.mark.parametrize("pitch", [0.0, 0.3, 0.9, -0.3])
@@ -89,25 +79,35 @@ def test_a_beam_narrower_than_a_column_takes_the_one_that_covers_it(beams, offse
     lens = camera(16, 4, 16.0, centre=(7.5 + offset, 1.5))
     half = math.atan(6 / 16.0)  # all of it within the image
     grid = Grid.between(beams, -half, half)
-    reduction = beam_reduction(image_region(lens, math.inf), grid)
-    seen = np.array([[beam in beams_of(reduction, 0, column) for column in range(16)] for beam in range(beams)])
+    view = image_region(lens, math.inf)
+    by_column = [beams_of(view, grid, 0, column) for column in range(16)]
+    seen = np.array([[beam in seen for seen in by_column] for beam in range(beams)])
     assert (seen.sum(axis=1) == 1).all()
     middle = 7.5 + offset - 16.0 * np.tan(grid.angles())
     assert (np.abs(seen.argmax(axis=1) - middle) <= 1).all()
 
 
-def test_a_level_camera_has_one_stretch_and_a_rolled_one_many():
-    level, rolled = (
-        beam_reduction(image_region(camera(mount=(0.3, 0.0, roll)), math.inf), GRID) for roll in (0.0, 0.1)
-    )
-    assert len(level.starts) == 2
-    assert len(rolled.starts) > 10
+@settings(max_examples=10, phases=(Phase.generate,))  # a smaller example would take minutes to find
+@given(st.floats(-0.5, 1.0), st.floats(-0.6, 0.6), st.integers(3, 60), st.integers(0, 2**32 - 1))
+def test_a_beam_has_the_least_of_all_that_it_sees_in_all_blocks_of_rows(pitch, roll, beams, seed):
+    lens = camera(12, 2 * BLOCK + 7, 24.0, (0.5, pitch, roll), centre=(5.37, 33.61))
+    grid, noise = Grid.between(beams, -0.31, 0.3), np.random.default_rng(seed)
+    view = image_region(lens, math.inf)
+    values = noise.choice([1.0, 2.0, 3.0, 4.0, LOOKED, NOTHING], view.shape, p=[0.01, 0.02, 0.03, 0.04, 0.2, 0.7])
+    expected = np.full(beams, np.nan)
+    for row, column, seen in seen_by_naive(lens, grid, view):
+        if values[row, column] != NOTHING:
+            value = math.inf if values[row, column] == LOOKED else values[row, column]
+            expected[list(seen)] = np.fmin(expected[list(seen)], value)
+    ahead = view.forward.table() > 0
+    said = np.where(ahead, values, NOTHING).astype(np.float32)
+    np.testing.assert_array_equal(min_per_beam(said, view, grid), expected.astype(np.float32))
 
 
 def test_the_least_number_wins_over_having_looked_and_that_over_nothing():
-    reduction = beam_reduction(image_region(camera(), math.inf), Grid.between(5, -0.4, 0.4))
+    view, grid = image_region(camera(), math.inf), Grid.between(5, -0.4, 0.4)
     for values, expected in (((2.0, 1.5), 1.5), ((LOOKED, 3.0), 3.0), ((NOTHING, LOOKED), math.inf)):
-        said = np.full((1, 64), NOTHING)
-        said[0, 31:33] = values  # both within the middle beam
-        assert min_per_beam(said, reduction)[2] == np.float32(expected)
-        assert np.isnan(min_per_beam(said, reduction)[[0, 4]]).all()
+        said = np.full(view.shape, NOTHING)
+        said[7, 31:33] = values  # both within the middle beam
+        assert min_per_beam(said, view, grid)[2] == np.float32(expected)
+        assert np.isnan(min_per_beam(said, view, grid)[[0, 4]]).all()

@@ -5,12 +5,13 @@ import math
 import numpy as np
 import pytest
 
-from benchmarks.accuracy.cases import BUILD, DROPS, GLOSSY, LEVEL, MOUNTED, SAFE, Case, camera_of, scene_of
+from benchmarks.accuracy.cases import Case, camera_of, scene_of
 from benchmarks.accuracy.frames import Sensor
 from benchmarks.accuracy.scans import ANGLES
+from benchmarks.accuracy.setups import BUILD, DROPS, GLOSSY, LEVEL, MOUNTED, SAFE
 from cliffscan.common.contract.camera import scan_axes
 from cliffscan.simulator.kinect import KinectModel, returns
-from evaluation.truth.scene_truth import truth_of
+from evaluation.truth.scene_truth import first_drop, truth_of
 from evaluation.truth.sight import floor_points, pixels, row_spacing
 
 FLAT = 1e-3  # [m]
@@ -20,7 +21,7 @@ SEEDS = range(6)
 def traced(case):
     """For each beam, the heights and distances [m] of the pixels nearest to its middle, from the bottom row up."""
     camera = camera_of(case)
-    depth = Sensor(scene_of(case), case.rng("test")).exact(camera)
+    depth = Sensor(scene_of(case), case.rng("test"), case.setup.model(camera_of(case))).exact(camera)
     forward, left, up = (axis.table() for axis in scan_axes(camera))
     azimuth = np.arctan2(left, forward)
     column = np.stack([np.interp(-ANGLES, -row, np.arange(camera.width)) for row in azimuth])
@@ -60,7 +61,12 @@ def returns_before_edge(case):
     """Of the three pixels of floor before each edge that must be found, how many return light."""
     camera, scene = camera_of(case), scene_of(case)
     truth = truth_of(scene, camera, ANGLES)
-    kept = returns(Sensor(scene, case.rng("test")).exact(camera), camera, KinectModel()) > 0
+    kept = (
+        returns(Sensor(scene, case.rng("test"), case.setup.model(camera_of(case))).exact(camera), camera, KinectModel())
+        > 0
+    )
+    left, top, right, bottom = camera.region
+    kept[:top], kept[bottom + 1 :], kept[:, :left], kept[:, right + 1 :] = False, False, False, False
     angles, edge = ANGLES[truth.drop], truth.edge[truth.drop]
     spacing = row_spacing(camera, angles, edge)
     count = np.zeros(len(angles), dtype=int)
@@ -70,7 +76,7 @@ def returns_before_edge(case):
     return count
 
 
-@pytest.mark.parametrize("mount", [LEVEL, MOUNTED])
+@pytest.mark.parametrize("mount", [LEVEL, MOUNTED, "rolled", "border"])
 def test_the_sensor_sees_the_floor_before_every_edge_that_must_be_found(mount):
     cases = [Case(build.__name__, seed, mount) for build in DROPS for seed in SEEDS]
     counts = np.concatenate([returns_before_edge(case) for case in cases])
@@ -99,8 +105,8 @@ def test_nothing_is_undecidable_without_a_ramp(kind):
 def grazing_losses(case):
     """Per beam the distance [m] of the last pixel that returns light, of a sensor that loses nothing but by angle."""
     camera = camera_of(case)
-    depth = Sensor(scene_of(case), case.rng("test")).exact(camera)
-    kept = returns(depth, camera, KinectModel(baseline=0.0)) > 0
+    depth = Sensor(scene_of(case), case.rng("test"), case.setup.model(camera_of(case))).exact(camera)
+    kept = returns(depth, camera, KinectModel(baseline=0.0, grazing=scene_of(case).grazing)) > 0
     forward, left, _ = (axis.table() for axis in scan_axes(camera))
     middle = camera.width // 2
     reached = np.where(kept, np.hypot(forward, left) * depth, 0.0)[:, middle]
@@ -131,3 +137,29 @@ def test_the_same_case_is_the_same_scene(kind):
 def test_glossy_floor_is_no_drop():
     case = Case(GLOSSY, 1)
     assert np.isinf(truth_of(scene_of(case), camera_of(case), ANGLES).edge).all()
+
+
+@pytest.mark.parametrize(("group", "least", "most"), [("corners", 0.10, 0.20), ("tips", 0.05, 0.10)])
+def test_at_a_corner_only_beams_with_little_of_the_hole_must_find_it(group, least, most):
+    beams = 0
+    for seed in SEEDS:
+        case = Case("hole", seed, group)
+        truth = truth_of(scene_of(case), camera_of(case), ANGLES, case.setup.lengths)
+        edge, end = first_drop(scene_of(case), ANGLES)
+        length = end[truth.drop] - edge[truth.drop]
+        assert (length >= least).all()
+        assert (length <= most).all() or scene_of(case).obstacles  # what stands in the hole shortens it
+        beams += int(truth.drop.sum())
+    assert beams > 0
+
+
+def test_a_rough_ramp_far_ahead_is_seen_to_the_end_unless_its_crest_hides_it():
+    seen = 0
+    for seed in SEEDS:
+        case = Case("ramp_ahead", seed, "ramps")
+        reached, azimuth = grazing_losses(case)
+        truth = truth_of(scene_of(case), camera_of(case), ANGLES)
+        beam = int(np.argmin(np.abs(ANGLES - azimuth)))
+        seen += not truth.undecidable[beam]
+        assert truth.undecidable[beam] or reached > 3.4
+    assert seen > 0

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from benchmarks.accuracy.rows import Figures
+from benchmarks.accuracy.rows import Figures, Sight
 from cliffscan.common.contract.beam_fields import ABSENT, Beams
 from evaluation.score import Tally, Verdict, judge
 from evaluation.truth.beam_truth import Truth
@@ -69,22 +69,23 @@ def test_errors_are_those_of_the_drop_beams_that_report_a_number():
 
 def test_floor_that_is_clear_beyond_the_edge_is_counted():
     told = scan([INF, NAN, 2.0, 2.0, INF], [2.5, 2.03, 2.019, 1.0, 4.0])
-    figures = Figures.of([Tally.of(told, truth([2.0, 2.0, 2.0, 2.0, INF]))], [], [])
+    figures = Figures.of([Tally.of(told, truth([2.0, 2.0, 2.0, 2.0, INF]))], [], [], [])
     assert figures.clear_beyond == 0.5
 
 
 def test_figures():
     drops = [Tally.of(scan([2.0, 2.1, INF, 1.0, NAN, 1.0]), truth([2.0, 2.0, 2.0, 2.0, INF, INF]))]
     safe = [Tally.of(scan([INF, NAN, 4.0, INF]), truth([INF] * 4))]
-    figures = Figures.of(drops, safe, [])
+    figures = Figures.of(drops, safe, [], [Sight(10, 1), Sight(30, 1)])
     assert figures.found == 0.5  # a number before the edge has found it, and is early besides
     assert (figures.missed, figures.late, figures.early) == (0.25, 0.25, 0.25)
     assert (figures.false_safe, figures.false_drop) == (0.25, 0.5)
     assert figures.median == pytest.approx(0.0)
+    assert figures.blind == 0.05
     assert np.isnan(figures.kerb)
     assert np.isnan(figures.clear_beyond)
 
 
 def test_total_of_nothing_is_nothing():
     assert Tally.total([]).count(*Verdict) == 0
-    assert np.isnan(Figures.of([], [], []).found)
+    assert np.isnan(Figures.of([], [], [], []).found)

@@ -16,7 +16,7 @@ from tests import scenes
 
 NAMES = ("farthest_point", "virtual_floor", "paper", "positive", "fused")
 PATHS = {f"scan/{name}": name for name in NAMES}
-BAND, ROBOT, FLAT = 0.03, 0.42, 0.0
+BAND, ROBOT, FLAT, EXACT = 0.03, 0.42, 0.0, 0.0
 
 
 def image(name="hole and box", seq=0, stamp=1):
@@ -32,7 +32,7 @@ def frame(name="hole and box", seq=0, stamp=1):
         beams_with(farthest_point(seen, grid, BAND), Evidence.FARTHEST_FLOOR),
         beams_with(virtual_floor(seen, grid, BAND), Evidence.DROP),
     ]
-    positive = beams_with(projection(seen, grid, BAND, ROBOT, FLAT), Evidence.POSITIVE)
+    positive = beams_with(projection(seen, grid, BAND, ROBOT, FLAT, EXACT), Evidence.POSITIVE)
     beams = [*negative, combine(negative), positive, combine([positive, combine(negative)])]
     return Frame(depth, {name: laser_scan(depth, each, config) for name, each in zip(NAMES, beams, strict=True)})
 

@@ -7,7 +7,6 @@ from cliffscan.common.contract.beam_fields import Beams
 from evaluation.truth.beam_truth import Truth
 from evaluation.truth.world_truth import TOLERANCE
 from experiments import edges
-from experiments.edges import census
 
 INF, NAN = np.inf, np.nan
 
@@ -59,9 +58,3 @@ def test_free_and_unseen_beams_are_never_false_nor_late():
     found = score(np.array([[INF, NAN]]), truth([1.0, 1.0]))
     assert (found.missed, found.late, found.false) == (1.0, 0.0, 0.0)
     assert np.isnan(found.median)
-
-
-def test_census_counts_every_beam_once():
-    found = census(np.array([[1.0, 3.0, INF, NAN]], np.float32))
-    assert found == (0.5, 0.25, 0.25, 2.0)
-    assert np.isnan(census(np.array([[INF]])).median)

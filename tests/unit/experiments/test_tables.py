@@ -4,7 +4,8 @@ import math
 
 from rich.console import Console
 
-from experiments.edges import DEFINITIONS, Census, Score, census_table, edge_table
+from evaluation.census import Census, census_table
+from experiments.edges import DEFINITIONS, Score, edge_table
 
 NAN = math.nan
 

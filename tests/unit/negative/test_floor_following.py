@@ -8,8 +8,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from benchmarks.accuracy.cases import BUILD, Case
+from benchmarks.accuracy.cases import Case
 from benchmarks.accuracy.frames import KNOWN, frames_of
+from benchmarks.accuracy.setups import BUILD
 from cliffscan.common.contract.camera import FloorPlane
 from cliffscan.common.perception.floor_points import floor_points
 from cliffscan.services.negative.beam_lines import beam_lines, heights_along, rows_outward

@@ -16,27 +16,30 @@ from cliffscan.services.negative.methods.virtual_floor import virtual_floor
 from cliffscan.services.positive.projection import projection
 from tests import naive, naive_positive, scenes
 
-BAND, ROBOT, SLOPE = 0.03, 0.42, 0.12
+BAND, ROBOT, SLOPE, NOISE = 0.03, 0.42, 0.12, 0.02
 OFF_CENTRE = 1e-4  # [rad] so that no pixel lies exactly between two beams, where rounding alone decides
 GRID = Grid.between(64, -math.radians(29), math.radians(29))
 
 
 def assert_equal_naive(depth, camera, grid):
     low, all_heights = floor_points(depth, camera, lower_than=BAND), floor_points(depth, camera)
+    low_enough = floor_points(depth, camera, lower_than=ROBOT)
     found = {
         "farthest_point": farthest_point(low, grid, BAND),
         "virtual_floor": virtual_floor(low, grid, BAND),
-        "flat": projection(floor_points(depth, camera, lower_than=ROBOT), grid, BAND, ROBOT, 0.0),
-        "projection": projection(floor_points(depth, camera, lower_than=ROBOT), grid, BAND, ROBOT, SLOPE),
+        "flat": projection(low_enough, grid, BAND, ROBOT, 0.0, 0.0),
+        "ramps": projection(low_enough, grid, BAND, ROBOT, SLOPE, 0.0),
+        "projection": projection(low_enough, grid, BAND, ROBOT, SLOPE, NOISE),
     }
     assert_array_equal(farthest_point(all_heights, grid, BAND), found["farthest_point"])
     assert_array_equal(virtual_floor(all_heights, grid, BAND), found["virtual_floor"])
-    assert_array_equal(projection(all_heights, grid, BAND, ROBOT, SLOPE), found["projection"])
+    assert_array_equal(projection(all_heights, grid, BAND, ROBOT, SLOPE, NOISE), found["projection"])
     expected = {
         "farthest_point": naive.farthest_point(depth, camera, grid, BAND),
         "virtual_floor": naive.virtual_floor(depth, camera, grid, BAND),
         "flat": naive_positive.projection(depth, camera, grid, BAND, ROBOT),
-        "projection": naive_positive.projection(depth, camera, grid, BAND, ROBOT, SLOPE),
+        "ramps": naive_positive.projection(depth, camera, grid, BAND, ROBOT, SLOPE),
+        "projection": naive_positive.projection(depth, camera, grid, BAND, ROBOT, SLOPE, NOISE),
     }
     for method, ranges in found.items():
         assert_allclose(ranges, expected[method], rtol=1e-6, err_msg=method)
@@ -83,8 +86,8 @@ def test_any_camera_any_grid_any_noise(height, pitch, roll, beams, view, seed):
     turned = np.ascontiguousarray(depth.T)
     mirrored = naive.farthest_point(turned, upright, mirror, BAND)[::-1]
     assert_allclose(farthest_point(seen, grid, BAND), mirrored, rtol=1e-6)
-    mirrored = naive_positive.projection(turned, upright, mirror, BAND, ROBOT, SLOPE)[::-1]
-    assert_allclose(projection(seen, grid, BAND, ROBOT, SLOPE), mirrored, rtol=1e-6)
+    mirrored = naive_positive.projection(turned, upright, mirror, BAND, ROBOT, SLOPE, NOISE)[::-1]
+    assert_allclose(projection(seen, grid, BAND, ROBOT, SLOPE, NOISE), mirrored, rtol=1e-6)
 
 
 def test_a_row_of_a_real_size_image_leaves_no_beam_empty():

@@ -205,3 +205,13 @@ def test_near_the_robot_a_hole_is_found_that_is_10_cm_long(start):  # a corner's
     beams = beams_by_method(seen_by_kinect(depth, camera, seed=1), NegativeConfig(), ["near_edge"])["near_edge"]
     assert np.isfinite(beams.ranges).mean() > 0.95
     assert (beams.clear * np.cos(NegativeConfig().grid().angles()) < start + 0.1).mean() > 0.95
+
+
+@pytest.mark.parametrize("roll", [0.0, 30.0, 45.0, 90.0])
+@pytest.mark.parametrize("pitch", [40.0, 60.0])
+def test_a_steep_camera_sees_the_floor_up_to_the_images_border(pitch, roll):
+    camera = kinect_camera(1.0, math.radians(pitch), math.radians(roll))
+    image = seen_by_kinect(scenes.depth(camera, wall=60.0), camera, seed=1)
+    beams = beams_by_method(image, NegativeConfig(), ["near_edge"])["near_edge"]
+    assert np.isposinf(beams.ranges).mean() > 0.995  # all beams have floor in view
+    assert (beams.clear > 0.8).mean() > 0.99

@@ -67,7 +67,7 @@ def test_the_floor_band_and_the_robots_height_belong_to_themselves(height, found
     everywhere = np.full((48, 64), height, np.float32), np.full((48, 64), 2.0, np.float32)
     seen = floor_points(np.zeros((48, 64), np.uint16), scenes.camera())
     vars(seen)["_points"] = everywhere
-    np.testing.assert_array_equal(projection(seen, CONFIG.grid(), 0.03, 0.42, 0.0), np.full(31, found, np.float32))
+    np.testing.assert_array_equal(projection(seen, CONFIG.grid(), 0.03, 0.42, 0.0, 0.0), np.full(31, found, np.float32))
 
 
 def test_what_is_nearer_than_range_min_is_part_of_the_robot():

@@ -14,7 +14,12 @@ from cliffscan.simulator.frame_server import FrameServer
 DEADLINE = 10.0  # [s]
 FLOOR = FloorPlane.from_mount(0.31, 0.1)
 DEPTH = np.full((480, 640), 1234, np.uint16)
-HEADER = {"seq": 3, "stamp": 1_700_000_000_123_456_789, "intrinsics": [577.0, 579.0, 319.5, 239.5], "range": [0.5, 4.5]}
+HEADER = {
+    "seq": 3,
+    "stamp": 1_700_000_000_123_456_789,
+    "intrinsics": [577.0, 579.0, 319.5, 239.5],
+    "range": [0.5, 4.5],
+} | {"noise": 0.002, "baseline": 0.06}
 
 
 @pytest.fixture
@@ -35,11 +40,12 @@ def source(server):
 
 def test_a_frame_arrives_with_its_stamp_and_the_mounts_floor(server, source):
     server.offer(wire.pack(HEADER, DEPTH))
-    depth, stamp, camera = source.read(DEADLINE)
+    depth, stamp, camera, _ = source.read(DEADLINE)
     np.testing.assert_array_equal(depth, DEPTH)
     assert stamp == HEADER["stamp"]
     assert (camera.width, camera.height, camera.range, camera.floor) == (640, 480, (0.5, 4.5), FLOOR)
     assert list(camera.intrinsics) == HEADER["intrinsics"]
+    assert (camera.noise, camera.baseline) == (HEADER["noise"], HEADER["baseline"])
 
 
 def test_no_frame_in_time_is_none(source):
