@@ -14,9 +14,12 @@ M = TypeVar("M", bound=Message)
 
 
 class Output(Generic[M]):
-    """A ROS topic, and how its message is made of ours; with a period [s] no more often than that."""
+    """A ROS topic, and how its message is made of ours, or None of one that makes none.
 
-    def __init__(self, publisher: Publisher, convert: Callable[[M], bytes], period: float = 0.0) -> None:
+    With a period [s] nothing is published more often than that.
+    """
+
+    def __init__(self, publisher: Publisher, convert: Callable[[M], bytes | None], period: float = 0.0) -> None:
         self._publisher = publisher
         self._convert = convert
         self._period = period
@@ -31,8 +34,10 @@ class Output(Generic[M]):
         """Convert a message and publish it, if anybody would receive it."""
         now = time.monotonic()
         if now >= self._next and self.wanted:
-            self._next = now + self._period
-            self._publisher.put(self._convert(message))
+            payload = self._convert(message)
+            if payload is not None:
+                self._next = now + self._period
+                self._publisher.put(payload)
 
 
 class Feed(Generic[M]):

@@ -8,24 +8,29 @@ from cliffscan.common.contract.base_messages import BaseState, Imu, Odometry, Sa
 from cliffscan.common.contract.beam_fields import Ranges
 from cliffscan.common.contract.beam_grid import Grid
 from cliffscan.common.contract.description import RobotDescription
-from cliffscan.common.contract.map_messages import OccupancyGrid
+from cliffscan.common.contract.map_messages import OccupancyGrid, Pose2D
 from cliffscan.common.contract.messages import DepthImage, LaserScan, ServiceStatus
 from cliffscan.common.runtime.service import Service
 from cliffscan.safety.visible_floor import UNDESCRIBED_NEAREST
 from cliffscan.services.ros2 import diagnostics, interfaces, messages, scans, transforms
 from cliffscan.services.ros2.config import Ros2Config
 from cliffscan.services.ros2.feed import Feed, Output
+from cliffscan.services.ros2.map_frame import MapFrame
 from cliffscan.services.ros2.node import Node, Profile
 
 BATTERY_PERIOD = 1.0  # [s] between two states of the battery
 NEWEST = 2  # depth images that may wait: one is converted meanwhile
 
+Maker = Callable[[Service[Ros2Config], Node], Feed[Any]]
+
 
 def feeds(service: Service[Ros2Config], node: Node) -> list[Feed[Any]]:
     """All topics of the robot that something in ROS is made of, for a base of ours or one that ROS drives."""
-    of_base = [safe_commands] if service.config.base == "external" else [odometry, gyro, battery]
-    makers = [depth, map_of_slam, statuses, safety, *of_base]
-    return [Scanner(service, node).feed, *(make(service, node) for make in makers)]
+    makers: list[Maker] = [depth, map_of_slam, statuses, safety]
+    if service.config.base == "external":
+        return [Scanner(service, node).feed, *(make(service, node) for make in (*makers, safe_commands))]
+    made = [make(service, node) for make in (*makers, gyro, battery)]
+    return [Scanner(service, node).feed, *odometry_and_pose(service, node), *made]
 
 
 class Scanner:
@@ -75,8 +80,8 @@ class Scanner:
             self._static.put(messages.tf_message(placed))
 
 
-def odometry(service: Service[Ros2Config], node: Node) -> Feed[Odometry]:
-    """/odom and /tf."""
+def odometry_and_pose(service: Service[Ros2Config], node: Node) -> list[Feed[Any]]:
+    """/odom, and /tf from the map, where a SLAM publishes a pose on it, to odom and to the base."""
     frame = service.config.base_frame
     odom = node.publisher("odom", interfaces.ODOMETRY, Profile.DEFAULT)
     tf = node.publisher("tf", interfaces.TF_MESSAGE, Profile.DEFAULT)
@@ -84,7 +89,18 @@ def odometry(service: Service[Ros2Config], node: Node) -> Feed[Odometry]:
         Output[Odometry](odom, lambda message: messages.odometry(message, frame)),
         Output[Odometry](tf, lambda message: messages.tf_message([transforms.of_odometry(message, frame)])),
     ]
-    return Feed(service, topics.ODOMETRY, outputs)
+    map_frame = MapFrame()
+
+    def accept(message: Odometry) -> None:
+        map_frame.moved(message)
+        moving.publish(message)
+
+    def place(pose: Pose2D) -> bytes | None:
+        transform = map_frame.transform(pose)
+        return messages.tf_message([transform]) if transform else None
+
+    moving = Feed(service, topics.ODOMETRY, outputs, accept)
+    return [moving, Feed(service, topics.POSE, [Output(tf, place)])]
 
 
 def gyro(service: Service[Ros2Config], node: Node) -> Feed[Imu]:

@@ -156,6 +156,21 @@ def test_odometry_and_transforms_under_a_namespace_and_in_a_domain(client, start
     assert {token[1] for token in tokens} == {"7"}
 
 
+def test_a_pose_on_the_map_places_odom(client, start, peer, repeat):
+    start("ros2")
+    tf = peer.subscribe("tf", TF)
+    stamp = time.time_ns()
+    repeat("base/odom", lambda: odometry(stamp=time.time_ns()))
+    repeat("pose", lambda: {"stamp": time.time_ns(), "frame": "map", "pose": [3.0, 2.0, 0.5]})
+    while (transform := tf.get().transforms[0]).header.frame_id != "map":
+        pass
+    assert transform.header.stamp.sec >= stamp // 10**9
+    assert transform.child_frame_id == "odom"
+    assert transform.transform.translation.x == pytest.approx(2.0)
+    assert transform.transform.translation.y == pytest.approx(0.0, abs=1e-12)
+    assert transform.transform.rotation.w == 1.0
+
+
 def test_a_late_joiner_gets_the_static_transforms_and_the_map(client, start, peer):
     start("ros2")
     early = [peer.subscribe("tf_static", TF, latched=True), peer.subscribe("map", "nav_msgs/msg/OccupancyGrid", True)]
