@@ -7,6 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 HEADER = b"\x00\x01\x00\x00"  # plain CDR, little-endian; numbers are aligned from its end on
+SECOND = 1_000_000_000  # [ns]
+LAST_SECOND = 2**31 - 1
 
 
 class CdrError(ValueError):
@@ -38,12 +40,15 @@ class Writer:
         self._bytes += np.ascontiguousarray(values, values.dtype.newbyteorder("<")).tobytes()
 
     def stamp(self, stamp: int) -> None:
-        """A builtin_interfaces/Time of a stamp [ns]."""
-        self.numbers("i", stamp // 1_000_000_000)
-        self.numbers("I", stamp % 1_000_000_000)
+        """A builtin_interfaces/Time of a stamp [ns]. Raises CdrError for one that ROS cannot express."""
+        seconds, nanoseconds = divmod(stamp, SECOND)
+        if seconds > LAST_SECOND:
+            raise CdrError(f"stamp {stamp} lies after 2038, the last year of ROS time: correct the clock")
+        self.numbers("i", seconds)
+        self.numbers("I", nanoseconds)
 
     def header(self, stamp: int, frame: str) -> None:
-        """A std_msgs/Header."""
+        """A std_msgs/Header. Raises CdrError as stamp() does."""
         self.stamp(stamp)
         self.text(frame)
 
@@ -81,7 +86,7 @@ class Reader:
     def header(self) -> tuple[int, str]:
         """Stamp [ns] and frame of a std_msgs/Header."""
         (seconds,), (nanoseconds,) = self.numbers("i", 1), self.numbers("I", 1)
-        return seconds * 1_000_000_000 + nanoseconds, self.text()
+        return seconds * SECOND + nanoseconds, self.text()
 
     def _take(self, size: int) -> memoryview:
         part = self._body[self._at : self._at + size]

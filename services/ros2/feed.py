@@ -8,6 +8,7 @@ from cliffscan.common.contract.message import Message
 from cliffscan.common.contract.topics import Topic
 from cliffscan.common.runtime.decoder import Decoder
 from cliffscan.common.runtime.service import RATE, ROOM, Service
+from cliffscan.services.ros2.cdr import CdrError
 from cliffscan.services.ros2.node import Publisher
 
 M = TypeVar("M", bound=Message)
@@ -31,7 +32,7 @@ class Output(Generic[M]):
         return self._publisher.has_subscribers
 
     def publish(self, message: M) -> None:
-        """Convert a message and publish it, if anybody would receive it."""
+        """Convert a message and publish it, if anybody would receive it. Raises CdrError."""
         now = time.monotonic()
         if now >= self._next and self.wanted:
             payload = self._convert(message)
@@ -65,7 +66,10 @@ class Feed(Generic[M]):
     def publish(self, message: M) -> None:
         """Publish all that is made of a message."""
         for output in self._outputs:
-            output.publish(message)
+            try:
+                output.publish(message)
+            except CdrError as error:
+                self._metrics.warn_limited("malformed", f"{self._topic.path}: {error}")
 
     def poll(self) -> None:
         """Subscribe or take the subscription back, as the outputs are wanted; to be called some times a second."""

@@ -1,5 +1,7 @@
 """Our messages as those of ROS 2: functions of a message that return CDR, fields in the order of the definition.
 
+Those with a stamp raise CdrError where ROS cannot express it.
+
 Source: common_interfaces and tf2_msgs, of Jazzy.
 """
 

@@ -13,6 +13,7 @@ from cliffscan.common.contract.messages import DepthImage, LaserScan, ServiceSta
 from cliffscan.common.runtime.service import Service
 from cliffscan.safety.visible_floor import UNDESCRIBED_NEAREST
 from cliffscan.services.ros2 import diagnostics, interfaces, messages, scans, transforms
+from cliffscan.services.ros2.cdr import CdrError
 from cliffscan.services.ros2.config import Ros2Config
 from cliffscan.services.ros2.feed import Feed, Output
 from cliffscan.services.ros2.map_frame import MapFrame
@@ -77,7 +78,10 @@ class Scanner:
             self._nearest_floor = camera.nearest_floor
             config = self._config
             placed = transforms.of_camera(camera, config.base_frame, config.scan_height, description.stamp)
-            self._static.put(messages.tf_message(placed))
+            try:
+                self._static.put(messages.tf_message(placed))
+            except CdrError as error:
+                self._service.metrics.warn_limited("malformed", f"{topics.DESCRIPTION.path}: {error}")
 
 
 def odometry_and_pose(service: Service[Ros2Config], node: Node) -> list[Feed[Any]]:

@@ -271,6 +271,16 @@ def test_a_base_that_ros_drives(client, start, peer, repeat):
     assert (got["pose"], got["twist"]) == ([1.0, 2.0, math.pi], [0.2, 0.1])
 
 
+def test_what_ros_cannot_express_is_counted_and_dropped(client, start, peer, repeat):
+    start("ros2")
+    odom, status = peer.subscribe("odom", "nav_msgs/msg/Odometry"), client.listen("status/ros2")
+    repeat("base/odom", lambda: odometry(stamp=2**62))
+    client.put("description", description() | {"stamp": 2**62})
+    assert status.until(lambda message: message["counts"].get("malformed", 0) > 1)
+    repeat("base/odom", odometry)
+    assert odom.get().header.stamp.sec < 2**31
+
+
 def test_a_scan_with_other_beams_is_no_scan_of_this_scanner(client, start, peer, repeat):
     start("ros2")
     heard = peer.subscribe("scan", SCAN)

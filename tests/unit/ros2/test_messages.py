@@ -11,6 +11,7 @@ from cliffscan.common.contract.camera import Camera, FloorPlane, Intrinsics
 from cliffscan.common.contract.map_messages import OccupancyGrid
 from cliffscan.common.contract.messages import DepthImage, ServiceStatus
 from cliffscan.services.ros2 import diagnostics, messages
+from cliffscan.services.ros2.cdr import CdrError
 from cliffscan.services.ros2.transforms import Transform
 from tests.build import scan, status_fields
 
@@ -88,6 +89,14 @@ def test_odometry():
     covariance = message.pose.covariance.reshape(6, 6)
     np.testing.assert_array_equal(covariance[np.ix_((0, 1, 5), (0, 1, 5))].ravel(), ODOMETRY.pose_covariance)
     assert covariance[2, 2] == covariance[3, 3] == covariance[4, 4] == messages.NOT_MEASURED
+
+
+def test_a_stamp_after_2038_is_refused():
+    last = 2**31 * 1_000_000_000 - 1
+    message = read(messages.odometry(ODOMETRY.model_copy(update={"stamp": last}), "b"), "nav_msgs/msg/Odometry")
+    assert nanoseconds(message.header.stamp) == last
+    with pytest.raises(CdrError, match="2038"):
+        messages.odometry(ODOMETRY.model_copy(update={"stamp": last + 1}), "b")
 
 
 def test_tf_message():
