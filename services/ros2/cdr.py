@@ -1,6 +1,7 @@
 """CDR, the bytes of ROS 2 messages: little-endian, each number aligned to its size. Source: OMG DDSI-RTPS, XCDR1."""
 
 import struct
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -15,6 +16,12 @@ class CdrError(ValueError):
     """Bytes are not the message that they should be; the text says why."""
 
 
+@cache
+def packer(code: str, count: int) -> struct.Struct:
+    """What packs and unpacks so many numbers of struct's code."""
+    return struct.Struct(f"<{count}{code}")
+
+
 class Writer:
     """Builds a message field by field, in the order of its definition."""
 
@@ -23,8 +30,9 @@ class Writer:
 
     def numbers(self, code: str, *values: float) -> None:
         """Numbers of one type by struct's code, as a fixed-size array has them: without a length."""
-        self._align(struct.calcsize(code))
-        self._bytes += struct.pack(f"<{len(values)}{code}", *values)
+        written = packer(code, len(values))
+        self._align(written.size // len(values))
+        self._bytes += written.pack(*values)
 
     def text(self, text: str) -> None:
         """A string."""
