@@ -85,8 +85,8 @@ def near_edge(points: FloorPoints, grid: Grid, criteria: FloorCriteria[float], f
     lost = np.flatnonzero(end == End.NO_RETURN)
     if len(lost):
         end[lost[in_shadow(points, lines, lost, row[lost], order)]] = End.OCCLUDED
-    ended = np.flatnonzero((end == End.DROP) | (end == End.NO_RETURN))
-    if len(ended) and tells_ramps(region.camera):
+    if tells_ramps(region.camera):  # without a look whether there are any, so that a blank frame compiles it
+        ended = np.flatnonzero((end == End.DROP) | (end == End.NO_RETURN))
         limits = region.camera.range[1], criteria.noise, criteria.slope, criteria.grazing
         ramps = ramps_ahead(heights, order, lines, ended, row[ended], height, *limits)
         end[ended[ramps]] = End.UNVERIFIED  # its rows lie too far apart to call it free

@@ -8,11 +8,13 @@ import pytest
 
 from cliffscan.common.contract.camera import FloorPlane
 from cliffscan.common.perception.floor_points import floor_points
+from cliffscan.common.perception.scans import WARMUP_IMAGE
 from cliffscan.services.negative.beam_lines import beam_lines, heights_along, rows_outward
 from cliffscan.services.negative.config import NegativeConfig
 from cliffscan.services.negative.floor_following import End, floor_trace, single
+from cliffscan.services.negative.methods import near_edge as of_near_edge
 from cliffscan.services.negative.ramps import ramps_ahead, tells_ramps
-from cliffscan.services.negative.scans import beams_by_method
+from cliffscan.services.negative.scans import beams_by_method, negative_scans
 from cliffscan.simulator.kinect import kinect_camera
 from cliffscan.simulator.sensors import sensor_camera
 from tests import naive_trace, scenes
@@ -23,7 +25,7 @@ AHEAD = [(2.0, 3.0), (2.0, 4.0), (2.0, 5.0), (2.8, 3.0), (2.8, 4.0), (2.8, 5.0),
          (3.2, 4.0)]  # fmt: skip
 
 
-def near_edge(image):
+def found(image):
     return beams_by_method(image, CONFIG, ["near_edge"])["near_edge"]
 
 
@@ -31,7 +33,7 @@ def near_edge(image):
 @pytest.mark.parametrize(("crest", "degrees"), AHEAD)
 def test_a_ramp_that_is_seen_far_ahead_is_no_drop(crest, degrees, seed):
     camera = kinect_camera()
-    beams = near_edge(seen_by_kinect(ramp(camera, crest, -degrees, end=9.0), camera, seed, grazing=0.0))
+    beams = found(seen_by_kinect(ramp(camera, crest, -degrees, end=9.0), camera, seed, grazing=0.0))
     assert np.isfinite(beams.ranges).mean() < 0.005
     assert (beams.clear * np.cos(CONFIG.grid().angles()) > crest - 0.1).mean() > 0.99
 
@@ -42,8 +44,15 @@ def test_a_ramp_that_is_seen_far_ahead_is_no_drop(crest, degrees, seed):
 def test_a_kerb_as_far_ahead_is_a_drop(edge, fall, seed):
     camera = kinect_camera()
     depth = scenes.depth(camera, [(edge, -9.0, -fall, 60.0, 9.0, 0.0)], wall=60.0)
-    beams = near_edge(seen_by_kinect(depth, camera, seed, grazing=0.0))
+    beams = found(seen_by_kinect(depth, camera, seed, grazing=0.0))
     assert np.isfinite(beams.ranges).mean() > 0.99
+
+
+def test_a_blank_frame_compiles_what_tells_ramps(monkeypatch):
+    called = []
+    monkeypatch.setattr(of_near_edge, "ramps_ahead", lambda *given: (called.append(given), ramps_ahead(*given))[1])
+    negative_scans(WARMUP_IMAGE, CONFIG)
+    assert len(called) == 1
 
 
 @pytest.mark.parametrize("name", ["d435", "d415"])
