@@ -1,0 +1,111 @@
+"""The page and its sockets on one port."""
+
+import logging
+import threading
+from collections.abc import Sequence
+from http import HTTPStatus
+from typing import Self
+from urllib.parse import parse_qs, urlsplit
+
+from websockets.http11 import Request, Response
+from websockets.sync.server import ServerConnection, serve
+from websockets.typing import Subprotocol
+
+from cliffscan.common.contract.topics import ROBOT_NAME
+from cliffscan.common.runtime.config import ConfigError
+from cliffscan.view.access import Access
+from cliffscan.view.foxglove import SUBPROTOCOLS, FoxgloveClient
+from cliffscan.view.page_files import page_response, plain_response
+from cliffscan.view.robots import Robots
+from cliffscan.view.viewer import Viewer
+
+PAGE_PROTOCOL = "cliffscan.view.v1"
+LARGEST = 16_384  # [bytes] of what a viewer sends
+HANDSHAKE = 3.0  # [s] a connection may take to say what it wants
+MOST_VIEWERS = 16
+ENDING = 0.4  # [s]
+PROTOCOL_ERROR, TRY_AGAIN = 1002, 1013  # close codes of RFC 6455
+
+quiet = logging.getLogger(f"{__name__}.websockets")
+quiet.setLevel(logging.CRITICAL)  # what strangers send to a port is no error of this program
+
+
+class Server:
+    """A context manager: serves from entering to leaving. Raises ConfigError where the port cannot be had."""
+
+    def __init__(self, bind: str, port: int, access: Access, robots: Robots) -> None:
+        self._access = access
+        self._robots = robots
+        self._viewers = threading.Semaphore(MOST_VIEWERS)
+        try:
+            self._server = serve(
+                self._handle,
+                bind,
+                port,
+                process_request=self._answer,
+                select_subprotocol=_chosen,
+                compression=None,  # pictures are compressed, and the rest is small
+                max_size=LARGEST,
+                open_timeout=HANDSHAKE,
+                server_header=None,
+                logger=quiet,
+            )
+        except OSError as error:
+            reason = error.strerror or str(error)
+            raise ConfigError(f"--bind {bind} --port {port}: {reason}; another --port may be free") from error
+        self.port: int = self._server.socket.getsockname()[1]
+
+    def __enter__(self) -> Self:
+        threading.Thread(target=self._server.serve_forever, name="view server", daemon=True).start()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        closing = threading.Thread(target=self._server.shutdown, name="view shutdown", daemon=True)
+        closing.start()
+        closing.join(ENDING)
+
+    def _answer(self, connection: ServerConnection, request: Request) -> Response | None:  # noqa: ARG002
+        """The page's files, or a refusal; None for a socket that may be opened."""
+        host, query = request.headers.get("Host"), urlsplit(request.path)
+        refusal = self._access.stranger(host)
+        opens = request.headers.get("Upgrade", "").lower() == "websocket"
+        if opens:
+            refusal = refusal or self._access.foreign_page(request.headers.get("Origin"), host)
+        if opens or query.path in ("/", "/index.html"):  # the other files are the same everywhere
+            refusal = refusal or self._access.without_token(_value(query.query, "token"))
+        if refusal:
+            return plain_response(HTTPStatus.FORBIDDEN, refusal)
+        return None if opens else page_response(query.path, host or "")
+
+    def _handle(self, connection: ServerConnection) -> None:
+        if not self._viewers.acquire(blocking=False):
+            connection.close(TRY_AGAIN, f"{MOST_VIEWERS} viewers look already")
+            return
+        try:
+            self._serve(connection)
+        finally:
+            self._viewers.release()
+
+    def _serve(self, connection: ServerConnection) -> None:
+        if connection.subprotocol == PAGE_PROTOCOL:
+            Viewer(connection, self._robots).run()
+        elif connection.subprotocol in SUBPROTOCOLS:
+            query = urlsplit(connection.request.path).query if connection.request else ""
+            robot = _value(query, "robot") or self._robots.preferred
+            view = self._robots.view(robot) if ROBOT_NAME.fullmatch(robot) else None
+            if view is None:
+                connection.close(TRY_AGAIN, "no router answers yet, or that is no robot's name")
+            else:
+                FoxgloveClient(connection, view.feeds).run()
+        else:
+            connection.close(PROTOCOL_ERROR, f"expected the subprotocol {' or '.join(SUBPROTOCOLS)}")
+
+
+def _chosen(_connection: ServerConnection, offered: Sequence[Subprotocol]) -> Subprotocol | None:
+    """The first of the offered subprotocols that is spoken here."""
+    return next((each for each in offered if each in (PAGE_PROTOCOL, *SUBPROTOCOLS)), None)
+
+
+def _value(query: str, name: str) -> str:
+    """A value of a query, empty where there is none."""
+    return parse_qs(query).get(name, [""])[0]
