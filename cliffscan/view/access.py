@@ -26,14 +26,14 @@ class Access(NamedTuple):
         """The access to a server at an address: beyond this machine, with a token that nobody can guess."""
         return cls("" if is_loopback(bind) else secrets.token_urlsafe(16), origins)
 
-    def stranger(self, host: str | None) -> str:
+    def stranger(self, host: str) -> str:
         """Why a request for this Host is not for this server, or nothing."""
-        name = _name(host or "")
+        name = _name(host)
         if _is_number(name) or name.lower() in {LOCALHOST, *_own_names()}:
             return ""
         return f"the host {name!r} is not this machine: open the address that cliffscan view printed"
 
-    def foreign_page(self, origin: str | None, host: str | None) -> str:
+    def foreign_page(self, origin: str | None, host: str) -> str:
         """Why a web page may not open a socket here, or nothing; None is a program that is no browser."""
         if origin is None or origin == f"http://{host}" or origin in self.origins:
             return ""

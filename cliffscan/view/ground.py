@@ -14,7 +14,7 @@ from cliffscan.common.contract.messages import LaserScan
 from cliffscan.safety.arc_collision import first_contact
 from cliffscan.safety.contact_recovery import Hit, Kind, touched
 from cliffscan.safety.inputs import Sides
-from cliffscan.safety.local_grid import HALF_CELL, LOOK, GridWindow, RollingGrid
+from cliffscan.safety.local_grid import HALF_CELL, KINDS, LOOK, UNKNOWN, GridWindow, RollingGrid
 from cliffscan.safety.pose2d import Pose2D
 from cliffscan.safety.pose_history import PoseHistory
 from cliffscan.safety.scan_claims import Scan, View
@@ -22,6 +22,7 @@ from cliffscan.safety.scan_claims import Scan, View
 RADIUS = 0.18  # [m] of a body that nobody describes: a TurtleBot 2's
 MARGIN = 0.03  # [m] that a gate keeps by default
 SHOWN = 2.0  # [m] around the robot
+DIFFERENT = 0.15  # [m] by which two ways are not to the same thing
 JUMP = 0.5  # [m] between two odometries: it was reset, and nothing fits any more
 Side = Literal["left", "centre", "right"]
 SIDES: tuple[Side, ...] = ("left", "centre", "right")
@@ -94,16 +95,19 @@ class RememberedGround:
             return self._grid.around(self._pose, SHOWN) if self._grid is not None else None
 
     def obstruction(self, safety: SafetyState) -> Obstruction | None:
-        """What the commanded arc meets first, where something on the floor holds the robot back."""
+        """What the commanded arc meets first, where something on the floor holds the robot back.
+
+        None where that is not known here, because the gate saw it before anybody looked.
+        """
         linear, angular = safety.asked
         with self._lock:
             if self._grid is None or safety.rule not in HOLDING or linear == 0.0:
                 return None
             side = 1 if linear > 0.0 else -1
-            points = self._grid.not_free(self._pose, LOOK, unknown_too=side > 0)
+            points = self._grid.not_free(self._pose, LOOK, unknown_too=KINDS[UNKNOWN] in safety.note)
             radius = self.radius + HALF_CELL + MARGIN
             met = first_contact(points, side, angular / linear, radius, radius)
-            if met.point < 0:
+            if not abs(met.distance - safety.distance) < DIFFERENT:
                 return None
             place = self._pose.to_world(points[:, met.point, None])
             return Obstruction(float(place[0, 0]), float(place[1, 0]), self._grid.kind_at(place))

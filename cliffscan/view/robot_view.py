@@ -26,7 +26,8 @@ from cliffscan.view.words import felt, why
 PERIODS = {"depth": 0.06, "ground": 0.2, "state": 0.1, "map": 0.5}  # [s] between two packets of a kind, at least
 IMAGES = 4  # depth images that may wait for their scan
 SCANLESS = 0.5  # [s] without a scan, after which depth images are shown without one
-OLD = 5.0  # [s] after which a robot of which nothing came is not there
+OLD = 3.0  # [s] after which a robot of which nothing came is not there
+GONE = ("gone", "not found")  # states of a service
 MAPS = (topics.MAP, topics.MAP_OF_PLUGIN.named("*"))
 POSES = (topics.POSE, topics.POSE_OF_PLUGIN.named("*"))
 
@@ -122,7 +123,8 @@ class RobotView:
     def found(self) -> bool:
         """Whether anything of the robot is received."""
         now = time.monotonic()
-        return bool(self._healths) or any(now - sample.at < OLD for sample in self._last.values())
+        lives = any(health.state not in GONE for health in self._healths)
+        return lives or any(now - sample.at < OLD for sample in self._last.values())
 
     def state(self) -> dict[str, object]:
         """What the page shows beside its pictures; ages [s] are by this machine's clock."""

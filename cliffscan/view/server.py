@@ -4,7 +4,7 @@ import logging
 import threading
 from collections.abc import Sequence
 from http import HTTPStatus
-from typing import Self
+from typing import NamedTuple, Self
 from urllib.parse import parse_qs, urlsplit
 
 from websockets.http11 import Request, Response
@@ -28,6 +28,26 @@ PROTOCOL_ERROR, TRY_AGAIN = 1002, 1013  # close codes of RFC 6455
 
 quiet = logging.getLogger(f"{__name__}.websockets")
 quiet.setLevel(logging.CRITICAL)  # what strangers send to a port is no error of this program
+
+
+class _Asked(NamedTuple):
+    """What a request asks for, and for whom."""
+
+    path: str
+    query: str
+    host: str
+    origin: str | None
+    opens: bool  # a socket
+    doubtful: str  # why it is not clear, or nothing
+
+    @classmethod
+    def of(cls, request: Request) -> Self:
+        """The question of a request."""
+        hosts, origins = (request.headers.get_all(name) for name in ("Host", "Origin"))
+        upgrades = (each.lower() for each in request.headers.get_all("Upgrade"))
+        path, query = urlsplit(request.path)[2:4]
+        doubtful = "" if len(hosts) == 1 and len(origins) <= 1 else "expected one Host and at most one Origin"
+        return cls(path, query, "".join(hosts[:1]), next(iter(origins), None), "websocket" in upgrades, doubtful)
 
 
 class Server:
@@ -66,16 +86,15 @@ class Server:
 
     def _answer(self, connection: ServerConnection, request: Request) -> Response | None:  # noqa: ARG002
         """The page's files, or a refusal; None for a socket that may be opened."""
-        host, query = request.headers.get("Host"), urlsplit(request.path)
-        refusal = self._access.stranger(host)
-        opens = request.headers.get("Upgrade", "").lower() == "websocket"
-        if opens:
-            refusal = refusal or self._access.foreign_page(request.headers.get("Origin"), host)
-        if opens or query.path in ("/", "/index.html"):  # the other files are the same everywhere
-            refusal = refusal or self._access.without_token(_value(query.query, "token"))
+        asked = _Asked.of(request)
+        refusal = asked.doubtful or self._access.stranger(asked.host)
+        if asked.opens:
+            refusal = refusal or self._access.foreign_page(asked.origin, asked.host)
+        if asked.opens or asked.path in ("/", "/index.html"):  # the other files are the same everywhere
+            refusal = refusal or self._access.without_token(_value(asked.query, "token"))
         if refusal:
             return plain_response(HTTPStatus.FORBIDDEN, refusal)
-        return None if opens else page_response(query.path, host or "")
+        return None if asked.opens else page_response(asked.path, asked.host)
 
     def _handle(self, connection: ServerConnection) -> None:
         if not self._viewers.acquire(blocking=False):

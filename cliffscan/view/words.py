@@ -44,7 +44,7 @@ HEADLINES: dict[Rule, Headline] = {
     "bumper": Headline("Bumper", "held"),
     "odometry": Headline("Odometry not believed", "alarm"),
     "no_scan": Headline("No fresh scan", "held"),
-    "obstacle": Headline("Held back", "held"),
+    "obstacle": Headline("Stopped", "held"),
 }
 
 
@@ -58,9 +58,15 @@ class Why(NamedTuple):
 
 
 def why(state: SafetyState) -> Why:
-    """What holds the robot. A robot that slows down or stands still for nothing on the floor says no distance."""
+    """What holds the robot. What stands in its way and only slows it down is no reason for an alarm."""
     headline, level = HEADLINES[state.rule]
     reason = state.note or MEANING[state.rule]
+    if state.rule == "obstacle":
+        headline, level = ("Slowed down", "slowed") if state.allowed[0] else ("Stopped", "held")
+        what = state.note.partition(",")[0]
+        headline = f"{headline}: {what}" if what else headline
+    if state.distance >= 0.0:
+        reason = f"{reason}, {state.distance:.2f} m to go"
     if state.rule == "no_scan" and state.note:
         reason = f"{MEANING['no_scan']}: {state.note}"
     remedy = REMEDY[state.rule]

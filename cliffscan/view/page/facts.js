@@ -7,7 +7,7 @@ export function showFacts({ safety, base, odometry }) {
   const rows = [];
   if (safety) {
     rows.push(["asked", motion(safety.asked)]);
-    rows.push(["allowed", motion(safety.allowed), String(safety.asked) !== String(safety.allowed)]);
+    rows.push(["allowed", motion(safety.allowed), motion(safety.asked) !== motion(safety.allowed)]);
   }
   if (odometry) rows.push(["moves", motion(odometry.twist) + old(odometry)]);
   if (odometry) rows.push(["pose", place(odometry.pose)]);

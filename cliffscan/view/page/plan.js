@@ -51,7 +51,7 @@ export class Plan {
     const way = safety && commandedWay(safety);
     if (way) drawWay(context, way, radius, place, scale, palette.ink);
     drawRobot(context, radius, base, place, scale);
-    if (safety && HOLDS.includes(safety.level)) inOdometry(() => this.drawObstruction(context, scale, pixels));
+    if (safety && HOLDS.includes(safety.level)) this.drawObstruction(context, pose, place, pixels);
     if (age > OLD) label(context, `the scan is ${age.toFixed(0)} s old`, width / 2, 24 * pixels, pixels);
   }
 
@@ -69,17 +69,20 @@ export class Plan {
     }
   }
 
-  // What is met first, in metres of the odometry's frame: a target that stands out on any ground.
-  drawObstruction(context, scale, pixels) {
-    if (!this.obstruction) return;
-    const { x, y } = this.obstruction;
+  // What is met first: a target that stands out on any ground, and its name.
+  drawObstruction(context, pose, place, pixels) {
+    if (!this.obstruction || !pose) return;
+    const dx = this.obstruction.x - pose[0], dy = this.obstruction.y - pose[1];
+    const cos = Math.cos(pose[2]), sin = Math.sin(pose[2]);
+    const [u, v] = place(cos * dx + sin * dy, cos * dy - sin * dx);
     for (const [colour, width] of [[palette.page, 7], [palette.ink, 3]]) {
       context.strokeStyle = colour;
-      context.lineWidth = (width * pixels) / scale;
+      context.lineWidth = width * pixels;
       context.beginPath();
-      context.arc(x, y, (13 * pixels) / scale, 0, 7);
+      context.arc(u, v, 13 * pixels, 0, 7);
       context.stroke();
     }
+    label(context, this.obstruction.kind, u, v - 22 * pixels, pixels);
   }
 }
 

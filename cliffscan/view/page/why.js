@@ -8,13 +8,9 @@ export function showWhy(state) {
   section.dataset.level = safety?.level ?? "quiet";
   section.dataset.rule = safety?.rule ?? "";
   section.classList.toggle("stale", !safety || safety.age > OLD);
-  set(headline, safety ? title(safety) : "Nothing received from a gate");
+  set(headline, safety ? safety.headline : "Nothing received from a gate");
   set(reason, safety ? sentence(safety.reason) : "");
   set(remedy, !safety ? "" : safety.age > OLD ? `This is ${safety.age.toFixed(0)} s old.` : safety.remedy);
-}
-
-function title(safety) {
-  return safety.distance >= 0 ? `${safety.headline}, ${safety.distance.toFixed(2)} m to go` : safety.headline;
 }
 
 function sentence(text) {
