@@ -65,6 +65,7 @@ class RobotView:
         self._lookers: list[Looker] = []
         self._lock = threading.Lock()
         self._cancel: list[Callable[[], None]] = []
+        self._board: Board | None = None  # while anybody looks
         self._forget()
 
     def _forget(self) -> None:
@@ -104,19 +105,21 @@ class RobotView:
             *(listen(topic, self._located) for topic in POSES),
         ]
         beside = self._bus.beside(self.robot)
-        self._board = Board(beside)
         self._cancel.append(beside.retract)
+        self._board = Board(beside)
 
     def _close(self) -> None:
         for cancel in self._cancel:
             cancel()
         self._cancel = []
+        self._board = None
         self._forget()
 
     def examine(self) -> None:
         """Look how the services fare; waits for the network."""
-        if self._cancel:
-            self._healths = self._board.healths()
+        board = self._board
+        if board is not None:
+            self._healths = board.healths()
             self._offer("ground", self._make_ground)
 
     @property
