@@ -111,6 +111,14 @@ def seconds(text: str) -> float:
     return value
 
 
+def port(text: str) -> int:
+    """A port of this machine; 0 is any that is free."""
+    number = int(text) if text.isdecimal() else -1
+    if not 0 <= number < 2**16:
+        raise argparse.ArgumentTypeError(f"{text!r} is no port: expected 0 to 65535")
+    return number
+
+
 def looked(arguments: argparse.Namespace) -> str:
     """Where on the network is looked, in words."""
     if arguments.connect:
@@ -200,7 +208,7 @@ def build_parser() -> argparse.ArgumentParser:
     driven.add_argument("--angular", type=float, default=0.8, metavar="RAD/S", help="turn rate to begin with")
     viewed = add("view", view, "Serve a live page that shows why the robot stopped; Ctrl-C ends it.")
     viewed.epilog = "The same port speaks Foxglove's protocol. Without --robot the page lets you choose."
-    viewed.add_argument("--port", type=int, default=VIEW_PORT, help="of the page (default %(default)s)")
+    viewed.add_argument("--port", type=port, default=VIEW_PORT, help="of the page (default %(default)s)")
     viewed.add_argument(
         "--bind",
         default=VIEW_BIND,

@@ -4,7 +4,7 @@ import { palette } from "./palette.js";
 
 const UNSEEN = 0, FREE = 65535; // as scene.py has them
 const NAMES = ["ink", "positive", "drop", "lost", "farthest", "extra"]; // by evidence
-const APART = 16; // [px] between two marks
+const APART = 4; // sizes of a dot between two marks
 const SHAPES = [
   (path, x, y, r) => { path.moveTo(x - r, y - r); path.lineTo(x + r, y + r); path.moveTo(x + r, y - r); path.lineTo(x - r, y + r); },
   (path, x, y, r) => path.rect(x - r, y - r, 2 * r, 2 * r),
@@ -30,7 +30,7 @@ export function drawSeenFloor(context, scan, place) {
 export function drawBeams(context, scan, place, size) {
   const [x0, y0, yaw] = scan.camera;
   const dots = NAMES.map(() => new Path2D()), marks = NAMES.map(() => new Path2D());
-  const last = NAMES.map(() => [-APART, -APART]);
+  const last = NAMES.map(() => [-Infinity, 0]);
   for (let beam = 0; beam < scan.ranges.length; beam++) {
     const millimetres = scan.ranges[beam];
     if (millimetres === UNSEEN || millimetres === FREE) continue;
@@ -38,7 +38,7 @@ export function drawBeams(context, scan, place, size) {
     const range = millimetres / 1000, angle = yaw + scan.angle_min + beam * scan.increment;
     const [u, v] = place(x0 + range * Math.cos(angle), y0 + range * Math.sin(angle));
     dots[evidence].rect(u - size / 2, v - size / 2, size, size);
-    if (Math.hypot(u - last[evidence][0], v - last[evidence][1]) >= APART) {
+    if (Math.hypot(u - last[evidence][0], v - last[evidence][1]) >= APART * size) {
       SHAPES[evidence](marks[evidence], u, v, 1.7 * size);
       last[evidence] = [u, v];
     }

@@ -13,6 +13,7 @@ from tests.service.conftest import DEADLINE, scan
 from tests.service.view.conftest import View
 from tests.view_page import PROTOCOL, Page, opening
 
+
 QUIET = 0.4  # [s] in which a packet comes that may
 STAMP = 10**18
 
@@ -137,8 +138,3 @@ def test_beyond_this_machine_it_wants_the_token():
     with opening(view.port, path=f"/socket?token={token}") as socket:
         assert socket.subprotocol == PROTOCOL
     view.end()
-
-
-def test_a_port_that_is_taken_is_one_line(view):
-    with pytest.raises(TypeError):  # it prints no address
-        View("--port", str(view.port))
