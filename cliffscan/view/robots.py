@@ -23,6 +23,7 @@ class Robots:
         self.preferred = preferred
         self._where = where
         self._bus: Bus | None = None
+        self._attached = threading.Event()
         self._views: dict[str, RobotView] = {}
         self._names: list[str] = []
         self._lock = threading.Lock()
@@ -32,9 +33,11 @@ class Robots:
     def attach(self, bus: Bus) -> None:
         """The network is there."""
         self._bus = bus
+        self._attached.set()
 
-    def view(self, robot: str) -> RobotView | None:
-        """The view of a robot; None before there is a network."""
+    def view(self, robot: str, patience: float = 0.0) -> RobotView | None:
+        """The view of a robot; None where there is no network within `patience` [s]."""
+        self._attached.wait(patience)
         with self._lock:
             if self._bus is None:
                 return None

@@ -22,6 +22,7 @@ from cliffscan.view.viewer import Viewer
 PAGE_PROTOCOL = "cliffscan.view.v1"
 LARGEST = 16_384  # [bytes] of what a viewer sends
 HANDSHAKE = 3.0  # [s] a connection may take to say what it wants
+NETWORK = 3.0  # [s] that a program waits for a router, which has no page that could tell
 MOST_VIEWERS = 16
 ENDING = 0.4  # [s]
 PROTOCOL_ERROR, TRY_AGAIN = 1002, 1013  # close codes of RFC 6455
@@ -111,7 +112,7 @@ class Server:
         elif connection.subprotocol in SUBPROTOCOLS:
             query = urlsplit(connection.request.path).query if connection.request else ""
             robot = _value(query, "robot") or self._robots.preferred
-            view = self._robots.view(robot) if ROBOT_NAME.fullmatch(robot) else None
+            view = self._robots.view(robot, NETWORK) if ROBOT_NAME.fullmatch(robot) else None
             if view is None:
                 connection.close(TRY_AGAIN, "no router answers yet, or that is no robot's name")
             else:

@@ -13,7 +13,6 @@ from tests.service.conftest import DEADLINE, scan
 from tests.service.view.conftest import View
 from tests.view_page import PROTOCOL, Page, opening
 
-
 QUIET = 0.4  # [s] in which a packet comes that may
 STAMP = 10**18
 
