@@ -6,7 +6,7 @@ import sys
 
 import pytest
 
-from tests.service.conftest import DEADLINE
+from tests.service.conftest import DEADLINE, Client
 from tests.service.kobuki.conftest import base  # noqa: F401 - a gate that decides
 
 
@@ -27,8 +27,23 @@ class View:
         assert "Traceback" not in said, said
 
 
+def beside(client):
+    """The process on a client's router."""
+    return View("--robot", client.robot, "--mode", "client", "--connect", client.endpoint)
+
+
 @pytest.fixture
 def view(client):
-    made = View("--robot", client.robot, "--mode", "client", "--connect", client.endpoint)
+    made = beside(client)
     yield made
     made.end()
+
+
+@pytest.fixture(scope="module")
+def network():
+    """A router, and the process on it, for tests that have a robot of their own."""
+    client = Client()
+    client.view = beside(client)
+    yield client
+    client.view.end()
+    client.session.close()

@@ -30,7 +30,8 @@ def publishing(client, path, fields):
     return again
 
 
-def test_topics_of_ros_travel_as_their_schemas_say(client, view):
+def test_topics_of_ros_travel_as_their_schemas_say(network):
+    client, view = network.another(), network.view
     with opening(f"ws://127.0.0.1:{view.port}/?robot={client.robot}") as socket:
         read_all(client, FoxgloveViewer(socket))
 
