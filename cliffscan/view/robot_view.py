@@ -158,7 +158,8 @@ class RobotView:
         self._offer("ground", self._make_ground)
 
     def _pictured(self, sample: Sample[DepthImage]) -> None:
-        self._images.append(sample)
+        if "stamp" in sample.fields:  # what is no image must not wait for a scan
+            self._images.append(sample)
         age = self._age("scan", time.monotonic())
         if age is None or age > SCANLESS:
             self._offer("depth", Once(lambda: depth_picture(sample.message, None)))

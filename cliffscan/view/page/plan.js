@@ -7,8 +7,10 @@ import { drawRobot } from "./robot.js";
 import { drawBeams, drawSeenFloor } from "./scan.js";
 import { commandedWay, drawWay } from "./way.js";
 
-const AHEAD = 3.1, BEHIND = 0.9, ASIDE = 2.0; // [m] that are shown at least
-const RINGS = [1, 2, 3]; // [m]
+const AHEAD = 3.1, BEHIND = 0.9, ASIDE = 2.0; // [m] that are shown at least,
+const CLOSER = 0.5; // of it while something near holds the robot,
+const NEAR = 0.5; // [m] to go
+const RINGS = [0.5, 1, 2, 3]; // [m]
 const OLD = 1; // [s]
 const HOLDS = ["slowed", "held", "alarm"];
 
@@ -17,17 +19,25 @@ export class Plan {
     this.canvas = canvas;
     this.image = new GroundImage();
     this.state = {};
+    this.shown = 1; // of what is shown otherwise
   }
 
   takeScene(scene) { this.scene = scene; }
   takeGround(ground) { this.image.take(ground); this.obstruction = ground.obstruction; }
-  takeState(state) { this.state = state; }
+
+  takeState(state) {
+    this.state = state;
+    const { level, distance } = state.safety ?? {};
+    if (!HOLDS.includes(level)) this.shown = 1;
+    else if (distance >= 0 && distance < NEAR) this.shown = CLOSER; // until it is free again, so that it does not flicker
+  }
+
   forget() { this.scene = this.obstruction = undefined; this.image = new GroundImage(); this.state = {}; }
 
   draw() {
     const { context, width, height, scale: pixels } = fitted(this.canvas);
-    const scale = Math.min(width / (2 * ASIDE), height / (AHEAD + BEHIND));
-    const middle = [width / 2, (height + (AHEAD - BEHIND) * scale) / 2];
+    const scale = Math.min(width / (2 * ASIDE), height / (AHEAD + BEHIND)) / this.shown;
+    const middle = [width / 2, (height + (AHEAD - BEHIND) * this.shown * scale) / 2];
     const place = (x, y) => [middle[0] - y * scale, middle[1] - x * scale];
     const { safety, base, odometry, scan_age: age, radius = 0.18 } = this.state;
     const pose = this.scene?.pose && !(age > OLD) ? this.scene.pose : odometry?.pose;

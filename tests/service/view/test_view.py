@@ -77,6 +77,18 @@ def test_two_packets_are_on_the_way_and_the_newest_scan_wins(client, page):
         assert time.monotonic() < deadline
 
 
+def test_what_is_malformed_costs_nothing_else(client, page):
+    page.until(lambda packet: packet["kind"] == "state" and packet["connected"])
+    for path in ("scan/fused", "camera/depth", "base/odom", "base/safety", "map"):
+        for payload in (b"", b"\xc1", b"\x80", msgpack.packb({"stamp": STAMP})):
+            client.put(path, payload)
+    deadline = time.monotonic() + DEADLINE
+    while (packet := page.receive())["kind"] != "scene":
+        assert time.monotonic() < deadline
+        put_scan(client, STAMP)
+    assert packet["stamp"] == STAMP
+
+
 def test_the_stop_button_stops_the_base_of_the_robot_on_the_page(client, page):
     asked = []
 
