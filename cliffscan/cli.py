@@ -29,6 +29,7 @@ from cliffscan.system import TURN, Base, Plan, System
 from cliffscan.welcome import welcome
 
 SIMULATED = "simulated"
+VIEW_PORT, VIEW_BIND = 8080, "127.0.0.1"
 WORLD = "paper_room"  # has a hole 1.5 m ahead
 
 HOST = re.sub(r"[^A-Za-z0-9_.-]", "_", socket.gethostname()) or "here"
@@ -76,6 +77,17 @@ def router(arguments: argparse.Namespace, stop: StopSignal) -> int:
     return 0
 
 
+def view(arguments: argparse.Namespace, stop: StopSignal) -> int:
+    """Serve the live page until Ctrl-C. Raises ConfigError where its packages are not installed."""
+    try:
+        from cliffscan.view.command import view as serve
+    except ModuleNotFoundError as error:
+        raise ConfigError(f"view: {error.name} is not installed: pip install 'cliffscan[view]'") from error
+    network, where = options.network(arguments), looked(arguments)
+    page = arguments.bind, arguments.port, arguments.allow_origin
+    return serve(network, arguments.robot, where, *page, stop)
+
+
 def name_part(text: str) -> str:
     """What can be a part of a key."""
     if not ROBOT_NAME.fullmatch(text) or "/" in text:
@@ -97,6 +109,14 @@ def seconds(text: str) -> float:
     if not 0.0 < value < math.inf:
         raise argparse.ArgumentTypeError(f"{text} s, expected a time span")
     return value
+
+
+def port(text: str) -> int:
+    """A port of this machine; 0 is any that is free."""
+    number = int(text) if text.isdecimal() else -1
+    if not 0 <= number < 2**16:
+        raise argparse.ArgumentTypeError(f"{text!r} is no port: expected 0 to 65535")
+    return number
 
 
 def looked(arguments: argparse.Namespace) -> str:
@@ -186,6 +206,18 @@ def build_parser() -> argparse.ArgumentParser:
     driven.epilog = f"Its commands have priority {PRIORITY}: they outrank those of a program, which have 0 by default."
     driven.add_argument("--linear", type=float, default=0.2, metavar="M/S", help="speed to begin with")
     driven.add_argument("--angular", type=float, default=0.8, metavar="RAD/S", help="turn rate to begin with")
+    viewed = add("view", view, "Serve a live page that shows why the robot stopped; Ctrl-C ends it.")
+    viewed.epilog = "The same port speaks Foxglove's protocol. Without --robot the page lets you choose."
+    viewed.add_argument("--port", type=port, default=VIEW_PORT, help="of the page (default %(default)s)")
+    viewed.add_argument(
+        "--bind",
+        default=VIEW_BIND,
+        metavar="ADDRESS",
+        help="address to serve on (default %(default)s); beyond this machine the page's address has a token",
+    )
+    viewed.add_argument(
+        "--allow-origin", action="append", default=[], metavar="ORIGIN", help="a web page of others that may connect"
+    )
     echo_parser = add(
         "echo",
         on_bus(lambda a, bus, stop: echo(bus, a.key, a.count, a.timeout, a.full, stop)),

@@ -11,6 +11,7 @@ def welcome(plan: Plan) -> str:
         "In another terminal:",
         f"  cliffscan status{options}    which services work, how fast, how late",
         f"  cliffscan list{options}      all live keys",
+        f"  cliffscan view{options}      a page in the browser",
     ]
     if "kobuki" in plan.services:
         lines.append(f"  cliffscan drive{options}     with the keyboard")

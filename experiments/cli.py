@@ -17,10 +17,12 @@ from experiments.folder import run_folder
 from experiments.map_system import Mapper
 from experiments.mapping import ROUND, run_mapping
 from experiments.run import Run
+from experiments.watched import run_view
 from experiments.worlds import run_worlds
 
 WORLDS = ("paper_room", "paper_room_open")  # figures 11 to 13, 17, 18, 21; 14 to 16, 19, 20, 22
 INTERRUPTED = 130
+PORT = 8080  # of the page
 DESCRIPTION = "The paper's experiments through the real services, or the scans of a recording."
 
 
@@ -34,6 +36,14 @@ def build_parser() -> argparse.ArgumentParser:
     parser.add_argument("--frames", type=positive, default=30, metavar="N", help="frames of each world (default 30)")
     parser.add_argument("--slam", choices=get_args(Mapper), default="odometry_map", help="what maps (%(default)s)")
     parser.add_argument("--route", type=route, default=ROUND, metavar="'X,Y ...'", help="way points [m] of the drive")
+    parser.add_argument(
+        "--view",
+        type=positive,
+        nargs="?",
+        const=PORT,
+        metavar="PORT",
+        help="leave a page open on the drive when all is done, until Ctrl-C (default port %(const)s)",
+    )
     parser.add_argument(
         "--out", type=Path, default=Path("out"), metavar="DIR", help="where to write (default: out beside demo)"
     )
@@ -79,6 +89,9 @@ def main() -> None:
                 run_worlds(run, arguments.world or WORLDS, arguments.frames)
             if not arguments.world:
                 run_mapping(run, arguments.route, arguments.slam)
+        if arguments.view and not stop.is_set():
+            run_view(run, arguments.route, arguments.slam, arguments.view)
+            return
     except ConfigRefused:
         parser.exit(USAGE_ERROR)  # the service has said why
     except (ConfigError, BusError) as error:

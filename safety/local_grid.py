@@ -5,6 +5,7 @@ What the scans showed is therefore kept, in the odometry's frame, until it is se
 """
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,7 +26,16 @@ BESIDE = 0.2  # [m] along which an edge that is seen may go on where it is not
 WIDEST = math.radians(80.0)  # a scan is taken in that far to either side
 
 FREE, GUESSED, UNKNOWN, OCCUPIED, EDGE = range(5)  # GUESSED is free because floor was seen behind it
+TOUCHED = 5  # of a GridWindow, whatever was seen there
 KINDS = {UNKNOWN: "unseen floor", OCCUPIED: "obstacle", EDGE: "edge"}
+
+
+class GridWindow(NamedTuple):
+    """A copy of a part of the grid, for people."""
+
+    cells: NDArray[np.int8]  # (rows along the odometry's x, columns along its y): FREE to EDGE, or TOUCHED
+    x: float  # [m] where the first cell begins
+    y: float
 
 
 class RollingGrid:
@@ -108,6 +118,14 @@ class RollingGrid:
         there = np.flatnonzero(not_free | self._touched[window])
         x, y = self._seen_from(pose, window)
         return np.stack([x.ravel()[there], y.ravel()[there]])
+
+    def around(self, pose: Pose2D, reach: float) -> GridWindow:
+        """What is known of the cells within `reach` [m] of `pose` along both axes."""
+        window = self._window(pose.x, pose.y, reach)
+        cells = np.where(self._touched[window], np.int8(TOUCHED), self._seen[window])
+        return GridWindow(
+            cells, *(CELL * (part.start + corner) for part, corner in zip(window, self._corner, strict=True))
+        )
 
     def kind_at(self, point: Floats) -> str:
         """What is known of a cell that is not free: (2, 1) [m] in the odometry's frame."""

@@ -68,6 +68,20 @@ def scan_fields(**changes) -> dict:
     return _changed(fields, changes)
 
 
+def odometry_fields(**changes) -> dict:
+    """An Odometry of a robot that drives ahead, in plain types."""
+    fields = {
+        "stamp": 5 * SECOND,
+        "frame": "odom",
+        "child_frame": "base_link",
+        "pose": [1.0, 2.0, 0.5],
+        "twist": [0.2, 0.0],
+        "pose_covariance": [0.0] * 9,
+        "twist_covariance": [0.0] * 9,
+    }
+    return _changed(fields, changes)
+
+
 def status_fields(**changes) -> dict:
     """A ServiceStatus, in plain types."""
     fields = {

@@ -106,6 +106,12 @@ class Bus:
         self._session.close()  # type: ignore[no-untyped-call]
         self._readers.join()
 
+    @property
+    def connected(self) -> bool:
+        """Whether a router or another peer is reached at this moment."""
+        info = self._session.info
+        return bool(info.routers_zid() or info.peers_zid())
+
     def beside(self, robot: str) -> Self:
         """The keys of a robot in the same session, with a token of their own; retract() takes them back."""
         other = copy(self)

@@ -4,6 +4,7 @@ import json
 import os
 import re
 import signal
+import socket
 import subprocess
 import sys
 from pathlib import Path
@@ -155,3 +156,17 @@ def test_a_service_that_dies_ends_everything_with_exit_1(long_run):
     assert f"demo: positive died; everything has been ended; the services' own words: {log}" in stderr
     assert "positive ended (signal 9)" in stdout
     assert not any(each.is_running() for each in started)
+
+
+@pytest.mark.slow
+def test_the_page_stays_open_on_the_drive(folder, tmp_path):
+    with socket.create_server(("127.0.0.1", 0)) as free:
+        port = free.getsockname()[1]
+    words = command("--data", folder, "--out", tmp_path / "out", "--view", port)
+    with subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True) as demo:
+        lines = iter(demo.stdout.readline, "")
+        assert any(line == f"cliffscan view: http://127.0.0.1:{port}/\n" for line in lines)
+        demo.send_signal(signal.SIGINT)
+        said = "".join(lines)
+        assert demo.wait(PATIENCE) == 0, said
+    assert "Traceback" not in said

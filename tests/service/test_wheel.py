@@ -39,8 +39,10 @@ def test_the_wheel_holds_one_package_and_its_data(wheel):
     top = {name.partition("/")[0] for name in names}
     assert sorted(top) == ["cliffscan", next(each for each in top if each.endswith(".dist-info"))]
     worlds = {str(world.relative_to(TOP)) for world in (TOP / "simulator/worlds").glob("*.xml")}
+    page = {f"view/page/{file.name}" for file in (TOP / "cliffscan/view/page").iterdir()}
     assert worlds
-    assert {f"cliffscan/{name}" for name in DATA | worlds} <= names
+    assert page
+    assert {f"cliffscan/{name}" for name in DATA | worlds | page} <= names
     assert not [name for name in names if name.endswith((".nbi", ".nbc", ".pyc"))]
 
 

@@ -1,0 +1,42 @@
+"""`cliffscan view` from its options to its end."""
+
+import socket
+import sys
+import threading
+from collections.abc import Collection
+
+from cliffscan.common.runtime.bus import Network
+from cliffscan.common.runtime.service import StopSignal, connect
+from cliffscan.view.access import Access
+from cliffscan.view.robots import Robots
+from cliffscan.view.server import Server
+
+ENDING = 0.4  # [s]
+EVERYWHERE = ("0.0.0.0", "::", "")  # noqa: S104 - compared with, not bound to
+
+
+def view(
+    network: Network, robot: str, where: str, bind: str, port: int, origins: Collection[str], stop: StopSignal
+) -> int:
+    """Serve the page until Ctrl-C. Raises BusError, and ConfigError where the port cannot be had."""
+    access, robots = Access.to(bind, origins), Robots(robot, where)
+    with Server(bind, port, access, robots) as server:
+        print(f"cliffscan view: {address(bind, server.port, access.token)}", flush=True)
+        if access.token:
+            print("Whoever has this address can watch and stop the robot; it is not encrypted.", file=sys.stderr)
+        bus = connect(network, robot, stop)
+        if bus is not None:
+            with bus:
+                robots.attach(bus)
+                looking = threading.Thread(target=robots.run, args=(stop,), name="view robots", daemon=True)
+                looking.start()
+                stop.wait()
+                looking.join(ENDING)
+    return 0
+
+
+def address(bind: str, port: int, token: str) -> str:
+    """What a person opens in a browser."""
+    name = socket.gethostname() if bind in EVERYWHERE else bind
+    host = f"[{name}]" if ":" in name else name
+    return f"http://{host}:{port}/" + (f"?token={token}" if token else "")
