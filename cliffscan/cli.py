@@ -73,7 +73,7 @@ def plan_of(arguments: argparse.Namespace) -> Plan:
 
 def router(arguments: argparse.Namespace, stop: StopSignal) -> int:
     """Route until Ctrl-C."""
-    if arguments.role is None:
+    if not arguments.role:
         joins = arguments.connect or arguments.name == "workstation"
         arguments.role = WORKSTATION_ROUTER if joins else ROUTER
     return route(replace(options.network(arguments), mode="router"), arguments.robot, arguments.name, stop)
@@ -179,6 +179,7 @@ def build_parser() -> argparse.ArgumentParser:
     routed.add_argument(
         "--role",
         choices=ROUTERS,
+        default="",
         help=f"whose keys it uses; {WORKSTATION_ROUTER} where it joins another or is named workstation",
     )
     routed.add_argument(

@@ -15,8 +15,7 @@ from cryptography.hazmat.primitives.serialization import (
     load_pem_private_key,
 )
 
-from cliffscan.common.contract.roles import ROLES, SENSOR, Role, role_names, sensor
-from cliffscan.common.contract.topics import ROBOT_NAME
+from cliffscan.common.contract.roles import ROLES, SENSOR, Role, is_sensor, role_names, sensor
 from cliffscan.common.runtime import zenoh_config
 from cliffscan.common.runtime.identity import SOON, examine, read_certificate
 from cliffscan.common.runtime.secure import CERTIFICATE, CONFIG, KEY, ROOT, ROUTERS, TLS, SecureError
@@ -59,14 +58,13 @@ class KeyFolder:
 
     def issue(self, role: str, life: timedelta = LIFE) -> bool:
         """Make a role's key, certificate and file anew. Whether the routers' rules changed. Raises SecureError."""
-        known = role.startswith(SENSOR) and ROBOT_NAME.fullmatch(role) and "/" not in role
-        if not known and role not in role_names():
+        if not is_sensor(role) and role not in role_names():
             names = role_names()
             meant = suggest(role, names)
             raise SecureError(
                 f"{role!r} is no role: there are {', '.join(names)}, and {SENSOR}NAME for scan/NAME{meant}"
             )
-        new_rules = role.startswith(SENSOR) and not (self.directory / role).exists()
+        new_rules = is_sensor(role) and not (self.directory / role).exists()
         self._issue(role, new_key(), life)
         if new_rules:
             for router in ROUTERS:

@@ -4,6 +4,7 @@ A role is the common name of a certificate. The rules that a secured router keep
 the table in docs/security.md. What is in no row is refused.
 """
 
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -33,6 +34,7 @@ from cliffscan.common.contract.topics import (
 
 ROUTER, WORKSTATION_ROUTER = "router", "router-workstation"
 SENSOR = "sensor-"  # and the last part of its scan's key
+SENSOR_NAME = re.compile(r"[A-Za-z0-9_.-]+")
 ANY_COMMAND = ("*",)
 BASE = (ODOMETRY, BASE_STATE, SAFETY)
 SCANS = (SCAN_POSITIVE, SCAN_NEGATIVE, SCAN_OF_METHOD, SCAN_FUSED, SCAN)
@@ -129,6 +131,13 @@ def sensor(name: str) -> Role:
     return Role(f"{SENSOR}{name}", "another sensor", (scan(f"{SCAN.prefix}/{name}"),))
 
 
+def is_sensor(role: str) -> bool:
+    """Whether a role's name is that of another sensor, whose scan is no service's."""
+    name = role.removeprefix(SENSOR)
+    taken = {topic.path for topic in TOPICS}
+    return role != name and bool(SENSOR_NAME.fullmatch(name)) and f"{SCAN.prefix}/{name}" not in taken
+
+
 def role_names() -> list[str]:
     """The certificates of a robot that has no further sensor."""
     return [ROUTER, WORKSTATION_ROUTER, *(role.name for role in ROLES)]
@@ -136,7 +145,7 @@ def role_names() -> list[str]:
 
 def role_named(name: str) -> Role | None:
     """The row of a role that is no router's; None where there is none."""
-    if name.startswith(SENSOR):
+    if is_sensor(name):
         return sensor(name.removeprefix(SENSOR))
     return next((role for role in ROLES if role.name == name), None)
 

@@ -17,6 +17,7 @@ RENEW = "`cliffscan keys renew` where they were made, and copy cert.pem"
 OURS: Mapping[str, str] = {  # the router is refused by the certificate that we trust
     "expired": f"its certificate has expired: {RENEW} to its folder",
     "not yet valid": "its certificate is not valid yet: set the clocks of both machines (chrony)",
+    "purpose": "its certificate is no router's: start it with the folder of a router",
     "mismatch": "its certificate names other hosts: `cliffscan keys init` with --host, or connect by a name it has",
     "": f"its certificate is of another CA than ours: {ONE_CA}",
 }
