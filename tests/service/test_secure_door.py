@@ -210,7 +210,7 @@ def gather(session, path, of=None):
     arrived = []
 
     def take(sample):
-        if of in (None, sample.payload.to_string()):
+        if of in (None, sample.payload.to_bytes()):
             arrived.append(str(sample.key_expr))
 
     session.declare_subscriber(f"r/{path}", take)
@@ -243,7 +243,7 @@ def test_what_crosses_between_two_routers(made, two):
             return {f"r/{path}" for path in down} <= set(workstation) and {f"r/{path}" for path in up} <= set(robot)
 
         wait_until(crossed)
-        stolen = gather(at_robot, "**", of="a thief")
+        stolen = gather(at_robot, "**", of=b"a thief")
         for path in ("camera/depth", "description"):
             other_thief.put(f"r/{path}", "a thief")
         for path in ("base/odom", "base/safety", "status/kobuki"):
