@@ -104,7 +104,7 @@ class KeyFolder:
             soon = identity.days < SOON
             remedy = f": `cliffscan keys renew {self.directory}`" if soon else ""
             yield role, f"valid until {identity.ends:%Y-%m-%d}, {identity.days} days{remedy}", not soon
-        if self._ca.is_dir() and (fault := _open_to_others(self._ca / KEY)):
+        if (self._ca / KEY).exists() and (fault := _open_to_others(self._ca / KEY)):
             yield CA, fault, False
 
     def roles(self) -> list[str]:
@@ -144,7 +144,10 @@ class KeyFolder:
         if not self._ca.is_dir():
             return ""
         file, expected = self.directory / role / CONFIG, self._settings(role)
-        written = zenoh_config.written_in(file)
+        try:
+            written = zenoh_config.written_in(file)
+        except zenoh_config.Refused:
+            return f"{file}: is no Zenoh file: `cliffscan keys renew {self.directory}` writes it anew"
         for key, value in expected["transport"]["link"]["tls"].items():
             is_now = zenoh_config.given_value(written, f"{TLS}/{key}")
             if is_now != value:

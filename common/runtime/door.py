@@ -9,7 +9,7 @@ from importlib import import_module
 from types import ModuleType
 from typing import Self
 
-from cliffscan.common.contract.roles import Role, may_publish, may_receive, role_named
+from cliffscan.common.contract.roles import ROLES, Role, may_publish, may_receive, role_named
 from cliffscan.common.contract.topics import alive
 from cliffscan.common.runtime.secure import CERTIFICATE, Credentials, SecureError
 from cliffscan.common.runtime.tls_probe import why_unreachable
@@ -58,6 +58,11 @@ class Keys:
             return ""
         when = f"expires in {found.days} days" if found.days >= 0 else "has expired"
         return f"its certificate {when} ({found.ends:%Y-%m-%d}): `cliffscan keys renew` where it was made"
+
+
+def _names(may: Callable[[Role, str], bool], path: str) -> str:
+    """The roles that may, in words."""
+    return ", ".join(role.name for role in ROLES if may(role, path)) or "no role"
 
 
 class Door:
@@ -114,13 +119,15 @@ class Door:
         """Log that the router will not take what is published at a path."""
         role = self._keys.role if self._keys else None
         if role and not may_publish(role, path):
-            log.warning("%s may not publish %s: a secured router drops it", role.name, path)
+            others = _names(may_publish, path)
+            log.warning("%s may not publish %s: a secured router drops it; %s may", role.name, path, others)
 
     def check_receives(self, path: str) -> None:
         """Log that the router will not pass on what is published at a path."""
         role = self._keys.role if self._keys else None
         if role and not may_receive(role, path):
-            log.warning("%s may not receive %s: a secured router passes nothing of it", role.name, path)
+            others = _names(may_receive, path)
+            log.warning("%s may not receive %s: a secured router passes nothing of it; %s may", role.name, path, others)
 
     def notice(self) -> str:
         """What a person should know of the keys; empty where there is nothing."""

@@ -16,6 +16,7 @@ from cryptography.x509.oid import NameOID
 
 from cliffscan.common.runtime.secure import CERTIFICATE, CONFIG, FILES, KEY, ROOT, SecureError
 
+OWNER = "run this as the user whose keys they are"
 SOON = 30  # [days] before the end of a certificate in which a person is told
 
 
@@ -66,14 +67,22 @@ def examine(folder: Path, role: str, robots: Sequence[str]) -> Identity:
     if not folder.is_dir():
         raise SecureError(f"{folder}: is not there: `cliffscan keys issue {folder.parent} {role}` makes it")
     for name in FILES:
-        if not (folder / name).exists():
-            raise SecureError(f"{folder / name}: is not there; {_remedy(folder / name)}")
+        _check_there(folder / name)
     certificate, root = read_certificate(folder / CERTIFICATE), read_certificate(folder / ROOT)
     identity = identity_of(certificate)
     _check_name(folder, identity, role, robots)
     _check_dates(folder, identity)
     _check_origin(folder, certificate, root)
     return identity
+
+
+def _check_there(file: Path) -> None:
+    try:
+        there = file.exists()
+    except OSError as error:  # another user's folder
+        raise SecureError(f"{file}: {error.strerror}: {OWNER}") from error
+    if not there:
+        raise SecureError(f"{file}: is not there; {_remedy(file)}")
 
 
 def _check_name(folder: Path, identity: Identity, role: str, robots: Sequence[str]) -> None:
@@ -107,7 +116,7 @@ def _check_origin(folder: Path, certificate: x509.Certificate, root: x509.Certif
     try:
         key = load_pem_private_key((folder / KEY).read_bytes(), None)
     except OSError as error:
-        raise SecureError(f"{folder / KEY}: {error.strerror}: run this as the user whose keys they are") from error
+        raise SecureError(f"{folder / KEY}: {error.strerror}: {OWNER}") from error
     except (ValueError, TypeError) as error:
         raise SecureError(f"{folder / KEY}: is no private key; {_remedy(folder / KEY)}") from error
     form = Encoding.DER, PublicFormat.SubjectPublicKeyInfo

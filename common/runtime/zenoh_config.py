@@ -16,6 +16,7 @@ import zenoh
 
 from cliffscan.common.contract.limits import LARGEST
 
+Refused = zenoh.ZError  # what is raised for a file that is none
 ENVELOPE = 65_536  # [bytes] that Zenoh adds to a payload, at most
 DEFAULTS: dict[str, object] = {
     "transport/link/tx/lease": 2000,

@@ -88,6 +88,7 @@ def test_keys_are_never_overwritten(made):
         (lambda d: shutil.copy(d / "viewer/cert.pem", d / "fuse"), "fuse", "is the certificate of 'viewer'"),
         (lambda d: KeyFolder(d).issue("fuse", timedelta(days=29)), "fuse", "28 days: `cliffscan keys renew"),
         (lambda d: KeyFolder(d).issue("fuse", timedelta(minutes=-1)), "fuse", "expired on"),
+        (lambda d: (d / "fuse/zenoh.json5").write_text("{"), "fuse", "is no Zenoh file: `cliffscan keys renew"),
         (lambda d: (d / "router/zenoh.json5").write_text("{}"), "router", "so_sndbuf is None"),
     ],
 )
@@ -142,6 +143,11 @@ def test_without_the_ca_nothing_is_made(keys):
     shutil.rmtree(keys.directory / "ca")
     with pytest.raises(SecureError, match=r"ca/key.pem: No such file .*: run this where `cliffscan keys init`"):
         keys.issue("fuse")
+    assert wrong(keys) == {}
+
+
+def test_the_cas_key_may_be_kept_elsewhere(keys):
+    (keys.directory / "ca/key.pem").unlink()
     assert wrong(keys) == {}
 
 

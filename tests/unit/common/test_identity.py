@@ -1,7 +1,10 @@
 """Keys that a router would refuse are refused before they are shown, each with one line that says what to do."""
 
+import errno
+import os
 import shutil
 from datetime import timedelta
+from pathlib import Path
 
 import pytest
 
@@ -88,6 +91,15 @@ def test_keys_that_are_wrong_are_refused_with_a_remedy(keys, spoil, why, remedy)
     with pytest.raises(BusError, match=f"{why}.*{remedy}") as refused:
         Bus(Network(secure=Credentials(keys / "mine", "fuse", ["mine"])), "mine")
     assert "\n" not in str(refused.value)
+
+
+def test_keys_of_another_user_are_refused_with_a_remedy(keys, monkeypatch):
+    def denied(_file):
+        raise PermissionError(errno.EACCES, os.strerror(errno.EACCES))
+
+    monkeypatch.setattr(Path, "exists", denied)
+    with pytest.raises(BusError, match=r"mine/fuse/ca\.pem: Permission denied: run this as the user whose keys"):
+        Bus(Network(secure=Credentials(keys / "mine", "fuse", ["mine"])), "mine")
 
 
 def test_a_certificate_of_the_future_is_for_a_clock_that_is_behind(keys, monkeypatch):
