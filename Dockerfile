@@ -16,12 +16,12 @@ RUN touch README.md LICENSE && pip install .
 
 ARG SERVICE
 RUN case "$SERVICE" in \
-        router) ;; \
+        router) pip install ".[secure]" ;; \
         capture) apt-get update \
             && apt-get install --yes --no-install-recommends libfreenect0.5 \
             && rm -rf /var/lib/apt/lists/* \
-            && pip install ".[capture,simulator]" ;; \
-        negative|positive|fuse|perception|kobuki|ros2) pip install ".[$SERVICE]" ;; \
+            && pip install ".[capture,simulator,secure]" ;; \
+        negative|positive|fuse|perception|kobuki|ros2) pip install ".[$SERVICE,secure]" ;; \
         *) echo "SERVICE is '$SERVICE', expected router, capture, negative, positive, fuse, perception, kobuki or ros2" >&2; exit 1 ;; \
     esac
 

@@ -7,25 +7,30 @@ import re
 import socket
 import sys
 from collections.abc import Callable
+from dataclasses import replace
 from typing import get_args
 
 from cliffscan.calibrate import calibrate
+from cliffscan.common.contract.roles import ROUTER, WORKSTATION_ROUTER
 from cliffscan.common.contract.topics import ROBOT_NAME
 from cliffscan.common.runtime import config as configuration
 from cliffscan.common.runtime import options
-from cliffscan.common.runtime.bus import Bus, BusError, Network
+from cliffscan.common.runtime.bus import Bus, BusError
 from cliffscan.common.runtime.config import ConfigError
+from cliffscan.common.runtime.secure import ROUTERS, SecureError
 from cliffscan.common.runtime.service import USAGE_ERROR, StopSignal, connect, package_version
 from cliffscan.drive import PRIORITY, drive
 from cliffscan.echo import echo
 from cliffscan.listing import list_keys, list_robots
 from cliffscan.live import alive
+from cliffscan.router import route
 from cliffscan.run import add_run
+from cliffscan.secure.command import add_keys
 from cliffscan.services.capture.config import CaptureConfig
 from cliffscan.simulator.world_names import RANDOM, world_names
 from cliffscan.status import status
 from cliffscan.supervisor import ConfigRefused
-from cliffscan.system import TURN, Base, Plan, System
+from cliffscan.system import ENDPOINT, SECURE_ENDPOINT, TURN, Base, Plan, System
 from cliffscan.welcome import welcome
 
 SIMULATED = "simulated"
@@ -57,24 +62,22 @@ def up(arguments: argparse.Namespace, stop: StopSignal) -> int:
 
 def plan_of(arguments: argparse.Namespace) -> Plan:
     """What is to be started. Raises ConfigError."""
-    listen = arguments.listen or list(Plan.listen)
+    listen = arguments.listen or [SECURE_ENDPOINT if arguments.secure else ENDPOINT]
     common = arguments.robot, listen, arguments.connect, arguments.config, arguments.set
+    doors = {"secure": arguments.secure, "insecure": arguments.insecure}
     if arguments.base == SIMULATED:
-        return Plan(*common, world=arguments.world or WORLD)
+        return Plan(*common, world=arguments.world or WORLD, **doors)
     if arguments.world:
         raise ConfigError(f"--world {arguments.world} is for a simulated robot; leave out --base {arguments.base}")
-    return Plan(*common, base=arguments.base)
+    return Plan(*common, base=arguments.base, **doors)
 
 
 def router(arguments: argparse.Namespace, stop: StopSignal) -> int:
     """Route until Ctrl-C."""
-    network = options.network(arguments)
-    bus = connect(Network("router", network.connect, network.listen, network.zenoh_config), arguments.robot, stop)
-    if bus:
-        with bus:
-            bus.announce(f"router-{arguments.name}")
-            stop.wait()
-    return 0
+    if not arguments.role:
+        joins = arguments.connect or arguments.name == "workstation"
+        arguments.role = WORKSTATION_ROUTER if joins else ROUTER
+    return route(replace(options.network(arguments), mode="router"), arguments.robot, arguments.name, stop)
 
 
 def view(arguments: argparse.Namespace, stop: StopSignal) -> int:
@@ -123,8 +126,8 @@ def looked(arguments: argparse.Namespace) -> str:
     """Where on the network is looked, in words."""
     if arguments.connect:
         return f"connected to {', '.join(arguments.connect)}"
-    if arguments.zenoh_config:
-        return f"by {arguments.zenoh_config}"
+    if arguments.secure or arguments.zenoh_config:
+        return f"by {arguments.secure or arguments.zenoh_config}"
     return "looking on this machine and its network"
 
 
@@ -138,6 +141,8 @@ def on_bus(
         if bus is None:
             return 0
         with bus:
+            if notice := bus.notice():
+                print(f"cliffscan: {arguments.role}: {notice}", file=sys.stderr)
             return work(arguments, bus, stop)
 
     return command
@@ -154,13 +159,22 @@ def build_parser() -> argparse.ArgumentParser:
         command: Callable[[argparse.Namespace, StopSignal], int],
         text: str,
         places: Callable[[argparse.ArgumentParser], None] = options.add_network,
+        role: str = options.VIEWER,  # empty: its own affair
     ) -> argparse.ArgumentParser:
         added = commands.add_parser(name, help=text, description=text)
         places(added)
+        if role:
+            added.add_argument("--role", default=role, metavar="NAME", help=f"whose keys --secure uses ({role})")
         added.set_defaults(command=command)
         return added
 
-    started = add("up", up, "Start a router and all services on this machine; Ctrl-C ends them.", options.add_endpoints)
+    started = add(
+        "up",
+        up,
+        "Start a router and all services on this machine; Ctrl-C ends them.",
+        options.add_endpoints,
+        role="",
+    )
     started.epilog = (
         "Without options the robot is simulated. A real one: --base real --set capture.source=kinect."
         f" Worlds: {', '.join(world_names())}, {RANDOM}SEED."
@@ -176,11 +190,23 @@ def build_parser() -> argparse.ArgumentParser:
     started.add_argument(
         "--world", default="", metavar="NAME", help=f"where the simulated robot is, {WORLD} unless another is given"
     )
-    routed = add("router", router, "Route between the processes of this machine, and to the routers --connect names.")
+    routed = add(
+        "router",
+        router,
+        "Route between the processes of this machine, and to the routers --connect names.",
+        role="",
+    )
+    routed.add_argument(
+        "--role",
+        choices=ROUTERS,
+        default="",
+        help=f"whose keys it uses; {WORKSTATION_ROUTER} where it joins another or is named workstation",
+    )
     routed.add_argument(
         "--name", type=name_part, default=HOST, help="it is alive as router-NAME; this machine's name by default"
     )
     add_run(commands)
+    add_keys(commands)
     shown = add(
         "status",
         on_bus(lambda a, bus, stop: status(bus, a.watch, looked(a), stop)),
@@ -197,11 +223,19 @@ def build_parser() -> argparse.ArgumentParser:
         "alive", on_bus(lambda a, bus, stop: alive(a.service, bus, looked(a), stop)), "Exit 0 if a service works."
     )
     alive_parser.add_argument("service", help="as fuse, or router for any router-NAME")
-    measured = add("calibrate", on_bus(mount), "Measure the camera's mount from the floor; print its configuration.")
+    measured = add(
+        "calibrate",
+        on_bus(mount),
+        "Measure the camera's mount from the floor; print its configuration.",
+        role="operator",
+    )
     options.add_config(measured)
     measured.add_argument("--seconds", type=seconds, default=5.0, metavar="S", help="how long to look at the floor")
     driven = add(
-        "drive", on_bus(lambda a, bus, stop: drive(bus, stop, a.linear, a.angular)), "Drive with the keyboard."
+        "drive",
+        on_bus(lambda a, bus, stop: drive(bus, stop, a.linear, a.angular)),
+        "Drive with the keyboard.",
+        role="driver",
     )
     driven.epilog = f"Its commands have priority {PRIORITY}: they outrank those of a program, which have 0 by default."
     driven.add_argument("--linear", type=float, default=0.2, metavar="M/S", help="speed to begin with")
@@ -239,6 +273,6 @@ def main() -> None:
         code = arguments.command(arguments, StopSignal())
     except ConfigRefused:
         code = USAGE_ERROR  # the service has said why
-    except (BusError, ConfigError) as error:
+    except (BusError, ConfigError, SecureError) as error:
         parser.exit(USAGE_ERROR, f"cliffscan: {error}\n")
     parser.exit(code)

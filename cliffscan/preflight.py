@@ -2,13 +2,15 @@
 
 import os
 import socket
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from contextlib import suppress
 from importlib import import_module
 from pathlib import Path
 
 from cliffscan.common.runtime import config as configuration
+from cliffscan.common.runtime.bus import BusError, Network, check
 from cliffscan.common.runtime.config import ConfigError, ServiceConfig
+from cliffscan.common.runtime.endpoints import parse
 
 
 def config_class(service: str) -> type[ServiceConfig]:
@@ -35,14 +37,22 @@ def check_world(name: str) -> None:
         raise ConfigError(str(error)) from error
 
 
+def check_networks(networks: Iterable[Network]) -> None:
+    """Raise ConfigError where a process could not be connected like this: for what it listens at, or for its keys."""
+    try:
+        for network in networks:
+            check(network)
+    except BusError as error:
+        raise ConfigError(str(error)) from error
+
+
 def check_free(endpoint: str) -> None:
-    """Raise ConfigError where somebody listens at a TCP endpoint already: what is started would join that router."""
-    protocol, _, address = endpoint.partition("#")[0].partition("/")
-    host, _, port = address.rpartition(":")
-    if protocol != "tcp" or not port.isdecimal():
+    """Raise ConfigError where somebody listens at an endpoint already: what is started would join that router."""
+    protocol, host, port = parse(endpoint)
+    if protocol not in ("tcp", "tls") or not port:
         return  # the router says what is wrong
     with suppress(socket.gaierror):
-        for family, *_, where in socket.getaddrinfo(host.strip("[]"), int(port), type=socket.SOCK_STREAM):
+        for family, *_, where in socket.getaddrinfo(host, port, type=socket.SOCK_STREAM):
             try:
                 socket.create_server(where[:2], family=family).close()
             except OSError as error:

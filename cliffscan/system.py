@@ -11,9 +11,12 @@ from tempfile import TemporaryDirectory
 from typing import Literal, Self
 
 from cliffscan import preflight
+from cliffscan.common.contract.roles import ROUTER
 from cliffscan.common.runtime import config as configuration
 from cliffscan.common.runtime.bus import Bus, Network, NotConnected
 from cliffscan.common.runtime.config import SENSING, SERVICES, TABLES, ConfigError, meant_for
+from cliffscan.common.runtime.options import VIEWER
+from cliffscan.common.runtime.secure import Credentials
 from cliffscan.common.runtime.service import StopSignal
 from cliffscan.common.runtime.suggest import suggest
 from cliffscan.hang_up import hang_up_stops
@@ -23,6 +26,7 @@ from cliffscan.services.capture.config import CaptureConfig
 from cliffscan.services.capture.sources.kinds import KINDS
 from cliffscan.supervisor import Supervisor
 
+ENDPOINT, SECURE_ENDPOINT = "tcp/127.0.0.1:7447", "tls/127.0.0.1:7447"
 ANYWHERE = re.compile(r"/(0\.0\.0\.0|\[::\]):")
 SIMULATION = "simulation"
 LAST = "capture"  # started when all others are ready, so that its first frame is not lost
@@ -42,7 +46,7 @@ class Plan:
     """
 
     robot: str = "turtlebot"
-    listen: Sequence[str] = ("tcp/127.0.0.1:7447",)
+    listen: Sequence[str] = (ENDPOINT,)
     join: Sequence[str] = ()
     config: Path | None = None
     overrides: Sequence[str] = field(default_factory=list)  # SERVICE.KEY=VALUE
@@ -50,6 +54,8 @@ class Plan:
     world: str = ""
     simulation: Sequence[str] = ()  # further options of the simulation
     folder: str = ""
+    secure: Path | None = None  # the folder of keys, of which each process uses its own
+    insecure: bool = False  # others may connect without keys
 
     @property
     def endpoint(self) -> str:
@@ -60,14 +66,30 @@ class Plan:
         """The router's command line."""
         ends = [("--listen", end) for end in self.listen] + [("--connect", end) for end in self.join]
         words = [word for option in ends for word in option]
+        words += [*self._keys(), "--role", ROUTER] if self.secure else ["--insecure"] if self.insecure else []
         return [sys.executable, "-m", "cliffscan", "router", "--robot", self.robot, *words]
 
     def service(self, name: str) -> list[str]:
         """A service's command line, with the overrides that are its own."""
-        words = ["--robot", self.robot, "--mode", "client", "--connect", self.endpoint]
+        words = ["--robot", self.robot, "--mode", "client", "--connect", self.endpoint, *self._keys()]
         words += ["--config", str(self.config)] if self.config else []
         words += [word for override in self.own(name) for word in ("--set", override)]
         return command_line(name, words)
+
+    def client(self, role: str) -> Network:
+        """How a process is connected that has the keys of a role, where there are keys."""
+        return Network("client", [self.endpoint], secure=self._credentials(role))
+
+    def router_network(self) -> Network:
+        """How the router is connected."""
+        keys = self._credentials(ROUTER)
+        return Network("router", [*self.join], [*self.listen], secure=keys, insecure=self.insecure)
+
+    def _credentials(self, role: str) -> Credentials | None:
+        return Credentials(self.secure, role, [self.robot]) if self.secure else None
+
+    def _keys(self) -> list[str]:
+        return ["--secure", str(self.secure)] if self.secure else []
 
     def capture(self) -> list[str]:
         """Capture's command line."""
@@ -123,6 +145,7 @@ class Plan:
 
     def check(self) -> None:
         """Raise ConfigError for what a process would refuse, or must not be together, before any is started."""
+        preflight.check_networks([self.router_network(), *map(self.client, (*self.services, VIEWER))])
         for override in self.overrides:
             if not any(meant_for(service, override) for service in SERVICES):
                 expected, meant = ", ".join(TABLES), suggest(override.partition(".")[0], TABLES)
@@ -225,7 +248,7 @@ class System:
         """The bus, when the router answers. Raises ConfigRefused where the router cannot listen."""
         while not self._stop.is_set():
             try:
-                return Bus(Network("client", [self.plan.endpoint]), self.plan.robot)
+                return Bus(self.plan.client(VIEWER), self.plan.robot)
             except NotConnected:
                 self.supervisor.poll()
                 self._stop.wait(TURN)

@@ -1,6 +1,6 @@
 """What `cliffscan up` prints first: what it starts, and what to type next."""
 
-from cliffscan.system import Plan
+from cliffscan.system import ENDPOINT, SECURE_ENDPOINT, Plan
 
 
 def welcome(plan: Plan) -> str:
@@ -32,5 +32,7 @@ def _started(plan: Plan) -> str:
 def _options(plan: Plan) -> str:
     """What the other commands need to find this robot."""
     robot = f" --robot {plan.robot}" if plan.robot != Plan.robot else ""
-    where = f" --connect {plan.endpoint}" if plan.endpoint != Plan().endpoint else ""
-    return robot + where
+    usual = SECURE_ENDPOINT if plan.secure else ENDPOINT
+    where = f" --connect {plan.endpoint}" if plan.endpoint != usual else ""
+    keys = f" --secure {plan.secure}" if plan.secure else ""
+    return robot + where + keys

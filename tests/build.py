@@ -196,6 +196,9 @@ class Bus:
     def withdraw(self) -> None:
         self.withdrawn += 1
 
+    def notice(self) -> str:
+        return ""
+
     def arrive(self, path, data: bytes) -> None:
         self.receivers[path](path, data)
 

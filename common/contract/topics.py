@@ -28,7 +28,7 @@ class Qos(Enum):
 class Topic(Generic[M]):
     """A row: a key below the robot's name, its message, how often it comes, how it travels, and what publishes it.
 
-    A path that ends in `<...>` stands for a family of keys.
+    A path that ends in `<...>` stands for a family of keys. What is latched is kept for whoever asks for it later.
     """
 
     path: str
@@ -36,6 +36,7 @@ class Topic(Generic[M]):
     rate: str
     qos: Qos
     writer: str
+    latched: bool = False
 
     @property
     def prefix(self) -> str:
@@ -58,6 +59,7 @@ DESCRIPTION = Topic(
     "once, on change, and to whoever asks",
     Qos.STATUS,
     "capture: `camera`; kobuki: `body`",
+    latched=True,
 )
 SCAN_POSITIVE = Topic("scan/positive", LaserScan, "per frame", Qos.REAL_TIME, "positive")
 SCAN_OF_METHOD = Topic(

@@ -16,10 +16,19 @@ from cliffscan.common.contract.limits import SMALL
 from cliffscan.common.contract.message import Message, MessageError, check_size, unpack
 from cliffscan.common.contract.topics import ROBOT_NAME, Qos, Topic, alive, most_bytes
 from cliffscan.common.runtime import zenoh_config
+from cliffscan.common.runtime.door import Door, Keys
 from cliffscan.common.runtime.foreign_keys import ForeignKeys
 from cliffscan.common.runtime.metrics import ServiceMetrics
 from cliffscan.common.runtime.pace import Pace
 from cliffscan.common.runtime.reader import Readers
+from cliffscan.common.runtime.secure import (
+    CONFIG,
+    Credentials,
+    SecureError,
+    check_listening,
+    check_secured,
+    tls_settings,
+)
 
 M = TypeVar("M", bound=Message)
 log = logging.getLogger(__name__)
@@ -54,6 +63,13 @@ class Network:
     connect: list[str] = field(default_factory=list)
     listen: list[str] = field(default_factory=list)
     zenoh_config: Path | None = None
+    secure: Credentials | None = None  # the file of its role takes the place of zenoh_config
+    insecure: bool = False  # others may connect from beyond this machine without keys
+
+    @property
+    def file(self) -> Path | None:
+        """The Zenoh file that holds."""
+        return self.secure.folder / CONFIG if self.secure else self.zenoh_config
 
     def settings(self) -> dict[str, object]:
         """Zenoh's settings by key, where this says something."""
@@ -64,7 +80,8 @@ class Network:
         }
         if self.connect or (self.listen and self.mode != "router"):  # a router answers whoever looks for one
             named["scouting/multicast/enabled"] = False  # others are where they were told to be
-        return {key: value for key, value in named.items() if value not in (None, [])}
+        keys = tls_settings(self.secure.folder, self.secure.role) if self.secure else {}
+        return keys | {key: value for key, value in named.items() if value not in (None, [])}
 
 
 class Publisher(Generic[M]):
@@ -89,7 +106,7 @@ class Bus:
 
     def __init__(self, network: Network, robot: str) -> None:
         """Raises NotConnected where a client finds no router, BusError where the settings make no sense."""
-        self._session = _open(network)
+        self._session, self._door = _open(network, robot)
         self._readers = Readers()
         self._metrics = ServiceMetrics()
         self._begin(robot)
@@ -103,6 +120,7 @@ class Bus:
         return self
 
     def __exit__(self, *_: object) -> None:
+        self._door.close()
         self._session.close()  # type: ignore[no-untyped-call]
         self._readers.join()
 
@@ -111,6 +129,14 @@ class Bus:
         """Whether a router or another peer is reached at this moment."""
         info = self._session.info
         return bool(info.routers_zid() or info.peers_zid())
+
+    def watch_door(self) -> None:
+        """Log why nothing passes, as long as nothing does; until the session ends."""
+        self._readers.once("door", self._door.watch)
+
+    def notice(self) -> str:
+        """What a person should know of this process's keys; empty where there is nothing."""
+        return self._door.notice()
 
     def beside(self, robot: str) -> Self:
         """The keys of a robot in the same session, with a token of their own; retract() takes them back."""
@@ -130,6 +156,7 @@ class Bus:
 
     def publisher(self, topic: Topic[M]) -> Publisher[M]:
         """Declare that messages of `topic` will be published."""
+        self._door.check_publishes(topic.path)
         publisher = self._session.declare_publisher(
             topic.key(self.robot),
             encoding=encoding_of(topic),
@@ -155,6 +182,7 @@ class Bus:
         payload larger than its key allows is not even copied, and `refused(path, why)` is called. Raises BusError for
         what is no path.
         """
+        self._door.check_receives(path)
         prefix = len(self.robot) + 1
         refuse = refused or self._refused
 
@@ -360,16 +388,56 @@ def encoding_of(topic: Topic[Any]) -> zenoh.Encoding:
     return zenoh.Encoding("application/msgpack").with_schema(topic.message.schema_name())
 
 
-def _open(network: Network) -> zenoh.Session:
+def check(network: Network) -> None:
+    """Raise BusError where the network cannot be used as asked, whoever is on it."""
+    _configured(network)
+
+
+def _configured(network: Network) -> tuple[zenoh.Config, Keys | None]:
+    """Zenoh's configuration, and the keys where there are some. Raises BusError."""
     try:
-        config = zenoh_config.build(network.settings(), network.zenoh_config)
+        keys = Keys.of(network.secure) if network.secure else None
+        config = zenoh_config.build(network.settings(), network.file)
+        _check_endpoints(network, config)
+    except SecureError as error:
+        raise BusError(str(error)) from error
     except zenoh.ZError as error:
         raise BusError(f"Zenoh refuses the configuration: {_first_line(error)}") from error
+    return config, keys
+
+
+def _open(network: Network, robot: str) -> tuple[zenoh.Session, Door]:
+    config, keys = _configured(network)
+    targets = zenoh_config.endpoints_of(config, "connect/endpoints")
+    door = Door(targets, keys, robot)
     try:
-        return zenoh.open(config)
+        session = zenoh.open(config)
     except zenoh.ZError as error:
         reason = _first_line(error)
-        raise (NotConnected if "Unable to connect" in reason else BusError)(reason) from error
+        if "Unable to connect" in reason:
+            raise NotConnected(door.why_closed() or reason) from error
+        raise BusError(reason) from error
+    door.open(lambda: _linked(session), lambda pattern: _has_token(session, pattern))
+    return session, door
+
+
+def _check_endpoints(network: Network, config: zenoh.Config) -> None:
+    """Raise SecureError where others could connect without keys, or a secured process speaks in the clear."""
+    listens = zenoh_config.endpoints_of(config, "listen/endpoints")
+    connects = zenoh_config.endpoints_of(config, "connect/endpoints")
+    if network.secure:
+        check_secured(network.secure, network.mode, network.listen, [*listens, *connects], network.zenoh_config)
+    elif not network.insecure:
+        check_listening(listens, zenoh_config.asks_for_keys(config))
+
+
+def _linked(session: zenoh.Session) -> bool:
+    """Whether there is a process at the other end of some link."""
+    return bool(session.info.routers_zid() or session.info.peers_zid())
+
+
+def _has_token(session: zenoh.Session, pattern: str) -> bool:
+    return any(reply.ok for reply in session.liveliness().get(pattern, timeout=LATCH_TIMEOUT))
 
 
 def _first_line(error: Exception) -> str:

@@ -6,9 +6,11 @@ from pathlib import Path
 
 from cliffscan.common.contract.topics import ROBOT_NAME
 from cliffscan.common.runtime.bus import Network
+from cliffscan.common.runtime.secure import Credentials
 
 ROBOT = "turtlebot"
 EVERY = "*"  # on the command line
+VIEWER = "viewer"  # the role of who only looks
 
 
 def robot_name(text: str) -> str:
@@ -45,10 +47,15 @@ Adder = Callable[[argparse.ArgumentParser], None]
 
 
 def add_endpoints(parser: argparse.ArgumentParser, robot: Adder = add_robot) -> None:
-    """Add --robot, --connect and --listen."""
+    """Add --robot, --connect, --listen, and whose keys are used: those of `role`, a default that callers set."""
     robot(parser)
+    parser.set_defaults(role=VIEWER)
     parser.add_argument("--connect", action="append", default=[], metavar="ENDPOINT", help="as tcp/127.0.0.1:7447")
-    parser.add_argument("--listen", action="append", default=[], metavar="ENDPOINT", help="as tcp/0.0.0.0:7447")
+    parser.add_argument("--listen", action="append", default=[], metavar="ENDPOINT", help="as tls/0.0.0.0:7447")
+    parser.add_argument(
+        "--secure", type=Path, metavar="DIR", help="the folder of `cliffscan keys`: use the role's keys"
+    )
+    parser.add_argument("--insecure", action="store_true", help="let other machines connect without keys")
 
 
 def add_network(parser: argparse.ArgumentParser, robot: Adder = add_robot) -> None:
@@ -71,4 +78,6 @@ def add_dump_config(parser: argparse.ArgumentParser) -> None:
 
 def network(options: argparse.Namespace) -> Network:
     """The network that the options describe."""
-    return Network(options.mode, options.connect, options.listen, options.zenoh_config)
+    named = options.robot if isinstance(options.robot, list) else [options.robot]
+    secure = Credentials(options.secure, options.role, named or [ROBOT]) if options.secure else None
+    return Network(options.mode, options.connect, options.listen, options.zenoh_config, secure, options.insecure)

@@ -157,7 +157,7 @@ class Service(Generic[C]):
             rate=rate,
             latency=self.metrics.latency(),
             counts=self.metrics.counts(),
-            note=self.note[:LONGEST_TEXT],
+            note="; ".join(filter(None, (self.note, self.bus.notice())))[:LONGEST_TEXT],
         )
 
 
@@ -196,6 +196,7 @@ def execute(
     """
     parser = argparse.ArgumentParser(prog=f"cliffscan run {name}", description=sys.modules["__main__"].__doc__)
     options.add_network(parser, add_robot)
+    parser.set_defaults(role=name)
     options.add_config(parser)
     options.add_dump_config(parser)
     arguments = parser.parse_args()
@@ -260,13 +261,16 @@ def reporting(report: Callable[[], None], stop: StopSignal) -> Iterator[None]:
 
 def connect(network: Network, robot: str, stop: threading.Event) -> Bus | None:
     """The bus, as soon as a router answers; None where the process was asked to end before that."""
-    logged = False
+    told = ""
     while not stop.is_set():
         try:
-            return Bus(network, robot)
+            bus = Bus(network, robot)
         except NotConnected as error:
-            if not logged:
+            if str(error) != told:
                 log.info("waiting for a router: %s", error)
-                logged = True
+                told = str(error)
             stop.wait(RETRY)
+        else:
+            bus.watch_door()
+            return bus
     return None

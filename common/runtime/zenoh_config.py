@@ -16,38 +16,54 @@ import zenoh
 
 from cliffscan.common.contract.limits import LARGEST
 
+Refused = zenoh.ZError  # what is raised for a file that is none
 ENVELOPE = 65_536  # [bytes] that Zenoh adds to a payload, at most
 DEFAULTS: dict[str, object] = {
     "transport/link/tx/lease": 2000,
     "transport/link/tx/queue/congestion_control/drop/wait_before_drop": 50_000,
     "transport/link/tx/queue/congestion_control/drop/max_wait_before_drop_fragments": 200_000,
     "transport/link/tcp/so_sndbuf": 65_536,
+    "transport/link/tls/so_sndbuf": 65_536,
     "transport/link/rx/max_message_size": LARGEST + ENVELOPE,
     "transport/shared_memory/enabled": False,
 }
 ENDPOINTS = ("connect/endpoints", "listen/endpoints")
-THIS_MACHINE: dict[str, object] = {  # where nobody names an endpoint
-    "listen/endpoints": {"peer": ["tcp/127.0.0.1:0"]},
-    "scouting/multicast/interface": "lo",
+LISTEN: dict[str, list[str]] = {  # by mode, where nobody says so: nothing beyond this machine can connect
+    "router": ["tcp/127.0.0.1:7447"],
+    "peer": ["tcp/127.0.0.1:0"],
 }
+THIS_MACHINE: dict[str, object] = {"scouting/multicast/interface": "lo"}  # where nobody names an endpoint
 
 
 def build(options: Mapping[str, object], file: Path | None) -> zenoh.Config:
     """The configuration of `options` by key, over those of a JSON5 file, over the defaults. Raises zenoh.ZError."""
     config = zenoh.Config.from_file(str(file)) if file else zenoh.Config()
-    given = _written_in(file) if file else {}
-    endpoints = any(key in options or _value(given, key) for key in ENDPOINTS)
-    router = (options.get("mode") or _value(given, "mode")) == "router"
-    defaults = DEFAULTS if endpoints or router else DEFAULTS | THIS_MACHINE
+    given = written_in(file) if file else {}
+    endpoints = any(key in options or given_value(given, key) for key in ENDPOINTS)
+    router = (options.get("mode") or given_value(given, "mode")) == "router"
+    defaults = DEFAULTS | {"listen/endpoints": LISTEN} | ({} if endpoints or router else THIS_MACHINE)
     for key, value in defaults.items():
-        if _value(given, key) is None:
+        if given_value(given, key) is None:
             config.insert_json5(key, json.dumps(value))
     for key, value in options.items():
         config.insert_json5(key, json.dumps(value))
     return config
 
 
-def _written_in(file: Path) -> dict[str, Any]:
+def endpoints_of(config: zenoh.Config, key: str) -> list[str]:
+    """The endpoints that hold at a key of ENDPOINTS, in the mode that holds."""
+    mode, endpoints = (json.loads(config.get_json(each)) for each in ("mode", key))
+    if isinstance(endpoints, dict):
+        endpoints = endpoints.get(mode or "peer")
+    return [each["endpoint"] if isinstance(each, dict) else each for each in endpoints or []]
+
+
+def asks_for_keys(config: zenoh.Config) -> bool:
+    """Whether who connects by TLS must show a certificate of the right CA."""
+    return json.loads(config.get_json("transport/link/tls/enable_mtls")) is True
+
+
+def written_in(file: Path) -> dict[str, Any]:
     """What a JSON5 file says itself, which a Config no longer tells from Zenoh's defaults: Zenoh's own parser reads it.
 
     Raises zenoh.ZError.
@@ -58,7 +74,7 @@ def _written_in(file: Path) -> dict[str, Any]:
     return given
 
 
-def _value(given: dict[str, Any], key: str) -> object:
+def given_value(given: dict[str, Any], key: str) -> object:
     """The value that a file gives a key; None where it gives none."""
     value: Any = given
     for part in key.split("/"):

@@ -70,7 +70,7 @@ class Network:
 
 
 def _config(settings: Settings) -> zenoh.Config:
-    """Zenoh's configuration: with endpoints given, nobody else is looked for."""
+    """Zenoh's configuration: with endpoints given, nobody else is looked for. Raises zenoh.ZError."""
     asked: dict[str, object] = {
         "mode": settings.mode,
         "connect/endpoints": settings.connect,
@@ -79,7 +79,8 @@ def _config(settings: Settings) -> zenoh.Config:
         # Where a process may lock little memory, as is usual, Zenoh would lose every map without a word.
         "transport/shared_memory/enabled": False,
     }
-    config = zenoh.Config()
+    file = settings.zenoh_config
+    config = zenoh.Config.from_file(str(file)) if file else zenoh.Config()
     for key, value in asked.items():
         if value not in (None, []):
             config.insert_json5(key, json.dumps(value))

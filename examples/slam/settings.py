@@ -26,6 +26,7 @@ class Settings:
     resolution: float  # [m]
     out: Path | None
     every: float | None  # [s]
+    zenoh_config: Path | None = None
 
     def path(self, path: str) -> str:
         """A path of this plug-in's own, with the map's name at its end if it has one."""
@@ -53,6 +54,7 @@ def _parser(program: str, text: str | None) -> argparse.ArgumentParser:
     add("--connect", action="append", default=[], metavar="ENDPOINT", help="as tcp/127.0.0.1:7447; repeatable")
     add("--listen", action="append", default=[], metavar="ENDPOINT", help="as tcp/0.0.0.0:7448; repeatable")
     add("--mode", choices=("peer", "client", "router"), help="Zenoh mode (peer)")
+    add("--zenoh-config", type=Path, metavar="FILE", help="as keys/slam/zenoh.json5; the options above override it")
     add("--scan", default="scan/fused", metavar="PATH", help="the scan to map (%(default)s)")
     add("--name", type=_name, help="publish map/NAME and pose/NAME, beside other plug-ins of one robot")
     place = ("X", "Y", "DEGREES")

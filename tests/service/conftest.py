@@ -9,6 +9,7 @@ import socket
 import subprocess
 import sys
 import threading
+import time
 import uuid
 
 import msgpack
@@ -23,6 +24,14 @@ def free_endpoint():
     """An endpoint that nobody listens on, at this moment."""
     with socket.create_server(("127.0.0.1", 0)) as server:
         return f"tcp/127.0.0.1:{server.getsockname()[1]}"
+
+
+def wait_until(holds):
+    """Wait for a fact that can only be asked for."""
+    deadline = time.monotonic() + DEADLINE
+    while not holds():
+        assert time.monotonic() < deadline
+        threading.Event().wait(0.01)
 
 
 def open_router():

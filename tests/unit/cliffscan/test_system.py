@@ -1,9 +1,11 @@
 """What is started for a whole system, word by word."""
 
 import argparse
+import shutil
 import socket
 import sys
 import tomllib
+from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 
@@ -13,6 +15,7 @@ from cliffscan.cli import build_parser, plan_of
 from cliffscan.common.runtime import options
 from cliffscan.common.runtime.config import SERVICES, ConfigError
 from cliffscan.preflight import check_free
+from cliffscan.secure.folder import KeyFolder
 from cliffscan.simulator.__main__ import options as simulator_options
 from cliffscan.simulator.world_names import world_names
 from cliffscan.system import Plan
@@ -127,6 +130,30 @@ def test_an_endpoint_that_is_taken_is_refused():
     check_free("udp/127.0.0.1:1")
 
 
+@pytest.mark.parametrize("listen", [["tcp/0.0.0.0:7447"], ["tcp/127.0.0.1:1", "tcp/[::]:7447"]])
+def test_a_robot_is_open_to_others_only_where_that_is_said(listen):
+    plan = Plan(listen=listen, overrides=["capture.source=replay"])
+    with pytest.raises(ConfigError, match=r"add --secure DIR .* or --insecure$"):
+        plan.check()
+    replace(plan, insecure=True).check()
+    assert replace(plan, insecure=True).router()[-1] == "--insecure"
+
+
+def test_keys_are_looked_at_before_anything_is_started(tmp_path):
+    keys = tmp_path / "keys"
+    plan = plan_of(build_parser().parse_args(["up", "--secure", str(keys)]))
+    with pytest.raises(ConfigError, match=f"{keys}/router: is not there: `cliffscan keys issue"):
+        plan.check()
+    KeyFolder(keys).init("turtlebot", [])
+    plan.check()
+    assert plan.endpoint == "tls/127.0.0.1:7447"
+    assert option(plan.service("fuse"), "--secure") == option(plan.router(), "--secure") == [str(keys)]
+    assert f"cliffscan status --secure {keys}" in welcome(plan)
+    shutil.rmtree(keys / "fuse")
+    with pytest.raises(ConfigError, match=f"{keys}/fuse: is not there"):
+        plan.check()
+
+
 def test_a_world_takes_the_place_of_base_and_camera():
     plan = Plan(overrides=["capture.pitch=10", "capture.rate=15"], world="random:3", folder="/run/x")
     plan.check()
@@ -212,7 +239,22 @@ def test_the_first_lines_fit_a_terminal_and_say_what_to_type_next(words):
     assert ("status --robot r2" in shown) == ("r2" in words)
 
 
-COMMANDS = ["", "up", "router", "status", "list", "alive", "calibrate", "drive", "echo"]
+COMMANDS = [
+    "",
+    "keys",
+    "keys init",
+    "keys issue",
+    "keys renew",
+    "keys check",
+    "up",
+    "router",
+    "status",
+    "list",
+    "alive",
+    "calibrate",
+    "drive",
+    "echo",
+]
 
 
 @pytest.mark.parametrize("command", COMMANDS)

@@ -124,3 +124,10 @@ def test_a_status_tells_counts_rate_and_latency(service):
     assert told.rate > 0
     assert told.latency[0] > 0
     assert type(told).decode(told.encode()) == told
+
+
+def test_what_a_person_should_know_of_the_keys_is_in_the_status(service):
+    service.note = "no frame"
+    service.bus.notice = lambda: "its certificate expires in 5 days"
+    service.publish_status()
+    assert service.bus.said["status/positive"][-1].note == "no frame; its certificate expires in 5 days"

@@ -1,0 +1,61 @@
+"""`cliffscan router`: pass on what the processes of a machine publish, to each other and to other routers."""
+
+from __future__ import annotations
+
+import logging
+from pathlib import Path
+
+from cliffscan.common.runtime.bus import Network
+from cliffscan.common.runtime.config import ServiceConfig
+from cliffscan.common.runtime.secure import CERTIFICATE, CONFIG, Credentials
+from cliffscan.common.runtime.service import STATUS_PERIOD, Service, StopSignal, connect
+
+log = logging.getLogger("cliffscan")
+
+
+def route(network: Network, robot: str, name: str, stop: StopSignal) -> int:
+    """Route as `router-NAME` until the process is asked to end; anew when its keys or rules are renewed.
+
+    Zenoh reads the certificate of who listens, and the rules, when a session is opened and never again.
+    """
+    while not stop.is_set():
+        bus = connect(network, robot, stop)
+        if bus is None:
+            break
+        with bus:
+            _route_once(Service(f"router-{name}", ServiceConfig(), bus, stop), Files(network.secure), stop)
+    return 0
+
+
+def _route_once(service: Service[ServiceConfig], files: Files, stop: StopSignal) -> None:
+    """Route until the process is asked to end, or its keys are renewed."""
+    service.ready()
+    while not stop.wait(STATUS_PERIOD):
+        service.publish_status()
+        if files.changed():
+            log.info("keys or rules were renewed: opening anew")
+            return
+
+
+class Files:
+    """The files that decide how a secured router listens; none for another one."""
+
+    def __init__(self, credentials: Credentials | None) -> None:
+        self._files = [credentials.folder / name for name in (CERTIFICATE, CONFIG)] if credentials else []
+        self._known = self._now()
+
+    def changed(self) -> bool:
+        """Whether a file is another one than at first; one that is missing is about to be replaced."""
+        now = self._now()
+        return None not in now and now != self._known
+
+    def _now(self) -> list[int | None]:
+        return [_changed_at(file) for file in self._files]
+
+
+def _changed_at(file: Path) -> int | None:
+    """When a file was changed [ns]; None where it is not there."""
+    try:
+        return file.stat().st_mtime_ns
+    except OSError:
+        return None

@@ -1,0 +1,1 @@
+"""The keys of a robot's processes: made, renewed and checked."""

@@ -1,0 +1,33 @@
+"""Zenoh's endpoints, as `tcp/127.0.0.1:7447`: who can reach them, and whether they ask for keys."""
+
+from typing import NamedTuple
+
+NETWORKED = ("tcp", "udp", "tls", "quic", "ws")  # the other protocols stay on one machine, or are a cable
+KEYED = ("tls", "quic")
+LOCAL_NAMES = ("localhost", "::1")
+
+
+class Endpoint(NamedTuple):
+    """The parts of an endpoint; port 0 where it names none."""
+
+    protocol: str
+    host: str
+    port: int
+
+    @property
+    def beyond(self) -> bool:
+        """Whether other machines can reach it."""
+        local = self.host in LOCAL_NAMES or self.host.startswith("127.")
+        return self.protocol in NETWORKED and not local
+
+    @property
+    def keyed(self) -> bool:
+        """Whether what passes is encrypted, and either side may ask for keys."""
+        return self.protocol in KEYED
+
+
+def parse(text: str) -> Endpoint:
+    """The parts of an endpoint's text; Zenoh says what is wrong with it."""
+    protocol, _, address = text.partition("#")[0].partition("?")[0].partition("/")
+    host, _, port = address.rpartition(":")
+    return Endpoint(protocol, host.strip("[]"), int(port) if port.isdecimal() else 0)

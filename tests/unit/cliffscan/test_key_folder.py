@@ -1,0 +1,156 @@
+"""What `cliffscan keys` writes, finds wrong and renews."""
+
+import json
+import re
+import shutil
+import stat
+from datetime import timedelta
+
+import pytest
+import zenoh
+
+from cliffscan.cli import build_parser
+from cliffscan.common.contract.roles import ROLES, role_names
+from cliffscan.common.runtime.secure import FILES, SecureError
+from cliffscan.run import service_names
+from cliffscan.secure.folder import KeyFolder
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("keys") / "robot"
+    KeyFolder(folder).init("r", ["robot.local", "10.0.0.2"])
+    return folder
+
+
+@pytest.fixture
+def keys(made, tmp_path):
+    shutil.copytree(made, tmp_path / "keys")
+    folder = KeyFolder(tmp_path / "keys")
+    folder.renew()  # the Zenoh files name another place
+    return folder
+
+
+def wrong(folder):
+    return {role: line for role, line, good in folder.check() if not good}
+
+
+def cliffscan(*words):
+    arguments = build_parser().parse_args(["keys", *map(str, words)])
+    return arguments.command(arguments, None)
+
+
+def test_every_service_has_a_role():
+    """A line in common/contract/roles.py gives it one."""
+    assert {role.name for role in ROLES} >= set(service_names())
+
+
+def test_each_role_has_its_files_and_nobody_else_reads_the_secret_ones(made):
+    assert {each.name for each in made.iterdir()} == {"ca", *role_names()}
+    for role in role_names():
+        assert {each.name for each in (made / role).iterdir()} == set(FILES)
+    for secret in made.glob("*/key.pem"):
+        assert stat.S_IMODE(secret.stat().st_mode) == 0o600
+        assert stat.S_IMODE(secret.parent.stat().st_mode) == 0o700
+
+
+@pytest.mark.parametrize("role", role_names())
+def test_any_zenoh_program_opens_a_roles_file(made, role):
+    config = zenoh.Config.from_file(str(made / role / "zenoh.json5"))
+    router = role.startswith("router")
+    assert json.loads(config.get_json("mode")) == ("router" if router else "client")
+    assert json.loads(config.get_json("transport/shared_memory/enabled")) is False
+    assert json.loads(config.get_json("transport/link/tls/connect_private_key")) == str(made / role / "key.pem")
+    assert json.loads(config.get_json("access_control/enabled")) is router
+
+
+def test_the_workstations_router_joins_the_robots_host(made):
+    text = (made / "router-workstation/zenoh.json5").read_text()
+    assert '"tls/robot.local:7447"' in text
+
+
+def test_what_was_made_is_well(made, capsys):
+    assert cliffscan("check", made) == 0
+    assert capsys.readouterr().out.count("ok ") == len(role_names())
+
+
+def test_keys_are_never_overwritten(made):
+    with pytest.raises(SecureError, match="is not empty"):
+        KeyFolder(made).init("r", [])
+
+
+@pytest.mark.parametrize(
+    ("spoil", "role", "why"),
+    [
+        (lambda d: (d / "fuse/key.pem").chmod(0o644), "fuse", r"others may read it \(644\): `chmod 600"),
+        (lambda d: (d / "ca/key.pem").chmod(0o640), "ca", r"others may read it \(640\)"),
+        (lambda d: (d / "fuse/cert.pem").unlink(), "fuse", "is not there"),
+        (lambda d: shutil.copy(d / "viewer/cert.pem", d / "fuse"), "fuse", "is the certificate of 'viewer'"),
+        (lambda d: KeyFolder(d).issue("fuse", timedelta(days=29)), "fuse", "28 days: `cliffscan keys renew"),
+        (lambda d: KeyFolder(d).issue("fuse", timedelta(minutes=-1)), "fuse", "expired on"),
+        (lambda d: (d / "fuse/zenoh.json5").write_text("{"), "fuse", "is no Zenoh file: `cliffscan keys renew"),
+        (lambda d: (d / "router/zenoh.json5").write_text("{}"), "router", "so_sndbuf is None"),
+    ],
+)
+def test_check_finds_what_is_wrong(keys, spoil, role, why, capsys):
+    spoil(keys.directory)
+    found = wrong(keys)
+    assert list(found) == [role]
+    assert cliffscan("check", keys.directory) == 1
+    assert re.search(why, found[role])
+    assert re.search(why, capsys.readouterr().out)
+
+
+def test_rules_that_were_loosened_are_noticed_and_renewed(keys):
+    file = keys.directory / "router/zenoh.json5"
+    file.write_text(file.read_text().replace('"deny"', '"allow"'))
+    assert "keeps other rules" in wrong(keys)["router"]
+    assert keys.renew() == ["router"]
+    assert wrong(keys) == {}
+
+
+def test_a_folder_that_was_moved_is_renewed(made, tmp_path):
+    shutil.copytree(made, tmp_path / "moved")
+    folder = KeyFolder(tmp_path / "moved")
+    assert set(wrong(folder)) == set(role_names())
+    assert set(folder.renew()) == set(role_names())
+    assert wrong(folder) == {}
+
+
+def test_renewing_keeps_the_key_and_changes_the_certificate(keys):
+    before = {name: (keys.directory / "fuse" / name).read_bytes() for name in FILES}
+    assert keys.renew() == []
+    after = {name: (keys.directory / "fuse" / name).read_bytes() for name in FILES}
+    assert [name for name in FILES if before[name] != after[name]] == ["cert.pem"]
+
+
+def test_a_sensor_gets_keys_and_the_routers_a_rule(keys, capsys):
+    assert cliffscan("issue", keys.directory, "sensor-lidar") == 0
+    assert "copy their zenoh.json5" in capsys.readouterr().out
+    assert '"r/scan/lidar"' in (keys.directory / "router/zenoh.json5").read_text()
+    assert wrong(keys) == {}
+    assert cliffscan("issue", keys.directory, "sensor-lidar") == 0
+    assert "zenoh.json5" not in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("role", ["negativ", "sensor-", "sensor-a/b", "sensor-*", "sensor-fused", "../ca", ""])
+def test_what_is_no_role_gets_no_keys(keys, role):
+    with pytest.raises(SecureError, match="is no role: there are router, "):
+        keys.issue(role)
+
+
+def test_without_the_ca_nothing_is_made(keys):
+    shutil.rmtree(keys.directory / "ca")
+    with pytest.raises(SecureError, match=r"ca/key.pem: No such file .*: run this where `cliffscan keys init`"):
+        keys.issue("fuse")
+    assert wrong(keys) == {}
+
+
+def test_the_cas_key_may_be_kept_elsewhere(keys):
+    (keys.directory / "ca/key.pem").unlink()
+    assert wrong(keys) == {}
+
+
+def test_no_folder_has_no_keys(tmp_path):
+    with pytest.raises(SecureError, match="has no keys; `cliffscan keys init"):
+        list(KeyFolder(tmp_path).check())
