@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
+from cliffscan.safety.hull import Corners, Hull, hull_of
+
 Sides = tuple[bool, bool, bool]  # left, centre, right
 Wheels = tuple[bool, bool]  # left, right
 
@@ -51,8 +53,12 @@ class SafetyLimits(NamedTuple):
     acceleration: float  # [m/s²]
     angular_acceleration: float  # [rad/s²]
     deceleration: float  # [m/s²] it brakes with, at the least
+    angular_deceleration: float  # [rad/s²] with which a turn on the spot ends, at the least
     reaction: float  # [s] from a decision to its effect
-    radius: float  # [m] of the disc around the middle between the wheels that holds the body
+    radius: (
+        float  # [m] of the disc around the middle between the wheels that holds the body, where there is no footprint
+    )
+    footprint: Corners  # [m] of the polygon that holds it, in order; none for a disc
     margin: float  # [m] kept from what is in the way
     start_free: float  # [m] around the place where the robot was put down that is floor
     command_timeout: float  # [s] without a command after which it stands
@@ -60,3 +66,7 @@ class SafetyLimits(NamedTuple):
     require_scan: bool  # without a fresh scan it only turns, slowly
     scan_timeout: float  # [s] since the scan was taken, and since it came
     slow_turn: float  # [rad/s] without a scan
+
+    def hull(self) -> Hull:
+        """The shape of the body from above."""
+        return hull_of(self.radius, self.footprint)

@@ -9,7 +9,7 @@ import time
 
 from cliffscan.common.contract import topics
 from cliffscan.common.contract.base_messages import Velocity
-from cliffscan.common.contract.description import BodyDescription, RobotDescription
+from cliffscan.common.contract.description import RobotDescription
 from cliffscan.common.contract.messages import LaserScan
 from cliffscan.common.runtime.service import Service
 from cliffscan.services.kobuki.command_handlers import Answer, CommandHandler, done, unknown_command
@@ -86,9 +86,7 @@ class IoLoop:
         self._port = Port(self._config.port)
         self._controller.connect(self._port.emulated, now)
         self._publishers.begin()
-        config = self._config
-        body = BodyDescription(simulated=self._port.emulated, radius=config.robot_radius, height=config.robot_height)
-        self._describe(RobotDescription(stamp=time.time_ns(), body=body))
+        self._describe(RobotDescription(stamp=time.time_ns(), body=self._config.body(self._port.emulated)))
 
     def _lose(self, why: str) -> None:
         port, self._port = self._port, None
