@@ -6,6 +6,7 @@ import math
 from typing import NamedTuple
 
 from cliffscan.safety.hull import Corners, Hull, hull_of
+from cliffscan.safety.pose2d import Pose2D
 
 Sides = tuple[bool, bool, bool]  # left, centre, right
 Wheels = tuple[bool, bool]  # left, right
@@ -43,6 +44,25 @@ class Contacts(NamedTuple):
     wheel_drops: Wheels = (False, False)  # hanging in the air
     overcurrents: Wheels = (False, False)  # a motor draws too much
     stop_button: bool = False  # the emergency stop on the body is pressed
+
+
+class Motion(NamedTuple):
+    """How far the base has gone since it began to report, by its own clock and sensors."""
+
+    clock: float  # [s]
+    left: float  # [m] of the left wheel
+    right: float  # [m] of the right wheel
+    gyro: float | None = None  # [rad], where it has a gyro
+
+
+class BaseReport(NamedTuple):
+    """What the base feels and where it is, by an odometry that never jumps. A text is empty where nothing is wrong."""
+
+    contacts: Contacts
+    pose: Pose2D
+    motion: Motion | None  # None where it does not go on from the report before
+    new_baseline: str = ""  # why it is not known how the robot moved since the report before
+    contradiction: bool = False  # whether that is because no base can report this after that
 
 
 class SafetyLimits(NamedTuple):
