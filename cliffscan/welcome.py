@@ -12,7 +12,7 @@ def welcome(plan: Plan) -> str:
         f"  cliffscan status{options}    which services work, how fast, how late",
         f"  cliffscan list{options}      all live keys",
     ]
-    if "kobuki" in plan.services:
+    if plan.guard:
         lines.append(f"  cliffscan drive{options}     with the keyboard")
     if plan.world:
         lines.append("Another world: cliffscan up --world NAME (cliffscan up --help has the names)")
@@ -25,6 +25,8 @@ def _started(plan: Plan) -> str:
     if plan.world:
         return f"a simulated TurtleBot 2 in the world {plan.world}"
     camera = f"the camera {plan.camera().source}"
+    if plan.base == "external":
+        return f"the gate for a base that publishes base/odom and obeys base/cmd_vel_safe, and {camera}"
     return f"a real base and {camera}" if plan.base == "real" else f"{camera}, without a base"
 
 
