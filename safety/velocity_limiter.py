@@ -86,10 +86,10 @@ class VelocityLimiter:
         spins = [] if self.hull.turns_free else self._pending.spins(now)
         curvatures = self._pending.curvatures(side, linear, angular, now, spins)
         latency = self._limits.reaction + (age or 0.0)
-        # what lies behind is not seen, and backing away must stay possible: only what is known to be there counts
-        fastest, contact, points = self._fastest(
-            side, max(asks, drift), curvatures, latency, pose, age is not None and side > 0
-        )
+        # what lies behind is not seen, and backing away must stay possible: for a disc only
+        # what is known to be there counts; any other hull stays on floor that was seen, or it could not turn any more
+        unknown_too = age is not None and (side > 0 or not self.hull.turns_free)
+        fastest, contact, points = self._fastest(side, max(asks, drift), curvatures, latency, pose, unknown_too)
         swerves = len(curvatures) > 1 and drift > max(fastest, SLOW)
         if swerves or asks > fastest:
             return SpeedLimit(

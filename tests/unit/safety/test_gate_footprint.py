@@ -85,6 +85,14 @@ def test_floor_that_was_never_seen_is_not_swept():
     assert "unseen floor" in str(decision.obstruction)
 
 
+def test_backward_it_keeps_to_floor_that_was_seen_where_a_disc_may_back_away():
+    for limits, free in (({}, False), ({"footprint": (), "radius": 0.25}, True)):
+        drive = rectangle(**limits)
+        behind = -drive.go(-0.2, ticks=600).x
+        assert (behind > 1.0) is free
+        assert free or 0.1 < behind < LIMITS.start_free - 0.40
+
+
 def test_a_robot_that_was_carried_may_turn_where_it_was_put_down():
     drive = rectangle()
     drive.tick(0.0)
