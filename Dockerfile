@@ -1,5 +1,5 @@
 # One image per service: docker build --build-arg SERVICE=negative --tag cliffscan-negative .
-# SERVICE is router, capture, negative, positive, fuse, perception, kobuki or ros2; BASE any Debian with Python >= 3.11 and venv.
+# SERVICE is router, capture, negative, positive, fuse, perception, kobuki, gate or ros2; BASE any Debian with Python >= 3.11 and venv.
 ARG BASE=python:3.11-slim
 FROM $BASE
 
@@ -21,8 +21,8 @@ RUN case "$SERVICE" in \
             && apt-get install --yes --no-install-recommends libfreenect0.5 \
             && rm -rf /var/lib/apt/lists/* \
             && pip install ".[capture,simulator,secure]" ;; \
-        negative|positive|fuse|perception|kobuki|ros2) pip install ".[$SERVICE,secure]" ;; \
-        *) echo "SERVICE is '$SERVICE', expected router, capture, negative, positive, fuse, perception, kobuki or ros2" >&2; exit 1 ;; \
+        negative|positive|fuse|perception|kobuki|gate|ros2) pip install ".[$SERVICE,secure]" ;; \
+        *) echo "SERVICE is '$SERVICE', expected router, capture, negative, positive, fuse, perception, kobuki, gate or ros2" >&2; exit 1 ;; \
     esac
 
 COPY . .

@@ -11,6 +11,7 @@ from dataclasses import replace
 from typing import get_args
 
 from cliffscan.calibrate import calibrate
+from cliffscan.calibrate_base import measure_base
 from cliffscan.common.contract.roles import ROUTER, WORKSTATION_ROUTER
 from cliffscan.common.contract.topics import ROBOT_NAME
 from cliffscan.common.runtime import config as configuration
@@ -98,8 +99,16 @@ def name_part(text: str) -> str:
     return text
 
 
-def mount(arguments: argparse.Namespace, bus: Bus, stop: StopSignal) -> int:
-    """Measure the mount, around the configured one where --config or --set give it."""
+def measured(arguments: argparse.Namespace, stop: StopSignal) -> int:
+    """Measure the mount with an operator's keys, or the base, which is driven, with a driver's."""
+    arguments.role = arguments.role or ("driver" if arguments.base else "operator")
+    return on_bus(measure)(arguments, stop)
+
+
+def measure(arguments: argparse.Namespace, bus: Bus, stop: StopSignal) -> int:
+    """Measure the base, or the mount, around the configured one where --config or --set give it."""
+    if arguments.base:
+        return measure_base(bus, arguments.free, arguments.speed, math.radians(arguments.turn), stop)
     nominal = None
     if arguments.config or arguments.set:
         nominal = configuration.load("capture", CaptureConfig, arguments.config, arguments.set).mounted_floor()
@@ -120,6 +129,23 @@ def port(text: str) -> int:
     if not 0 <= number < 2**16:
         raise argparse.ArgumentTypeError(f"{text!r} is no port: expected 0 to 65535")
     return number
+
+
+def between(least: float, most: float, what: str) -> Callable[[str], float]:
+    """A number of an option, in its bounds."""
+
+    def number(text: str) -> float:
+        value = float(text)
+        if not least <= value <= most:
+            raise argparse.ArgumentTypeError(f"{text}, expected {what} between {least:g} and {most:g}")
+        return value
+
+    return number
+
+
+free_floor = between(0.5, 5.0, "metres of free floor")
+speed_limit = between(0.1, 2.0, "a speed [m/s]")
+turn_limit = between(10.0, 180.0, "a turn rate [deg/s]")
 
 
 def looked(arguments: argparse.Namespace) -> str:
@@ -185,7 +211,8 @@ def build_parser() -> argparse.ArgumentParser:
         "--base",
         choices=(SIMULATED, *get_args(Base)),
         default=SIMULATED,
-        help="simulated with its camera; real, on kobuki.port; or none. The last two need capture.source",
+        help="simulated with its camera; real, a Kobuki on kobuki.port; external, any base behind the service gate; or"
+        " none. All but the first need capture.source",
     )
     started.add_argument(
         "--world", default="", metavar="NAME", help=f"where the simulated robot is, {WORLD} unless another is given"
@@ -223,14 +250,20 @@ def build_parser() -> argparse.ArgumentParser:
         "alive", on_bus(lambda a, bus, stop: alive(a.service, bus, looked(a), stop)), "Exit 0 if a service works."
     )
     alive_parser.add_argument("service", help="as fuse, or router for any router-NAME")
-    measured = add(
+    calibrating = add(
         "calibrate",
-        on_bus(mount),
-        "Measure the camera's mount from the floor; print its configuration.",
-        role="operator",
+        measured,
+        "Measure the camera's mount from the floor, or the base; print the configuration.",
+        role="",
     )
-    options.add_config(measured)
-    measured.add_argument("--seconds", type=seconds, default=5.0, metavar="S", help="how long to look at the floor")
+    options.add_config(calibrating)
+    calibrating.add_argument("--role", metavar="NAME", help="whose keys --secure uses (operator; driver with --base)")
+    calibrating.add_argument("--seconds", type=seconds, default=5.0, metavar="S", help="how long to look at the floor")
+    calibrating.add_argument("--base", action="store_true", help="drive the robot, and measure how it brakes instead")
+    free, speed, turn = "free floor ahead (1.5)", "highest speed (0.5)", "highest turn rate (60)"
+    calibrating.add_argument("--free", type=free_floor, default=1.5, metavar="M", help=f"with --base: {free}")
+    calibrating.add_argument("--speed", type=speed_limit, default=0.5, metavar="M/S", help=f"with --base: {speed}")
+    calibrating.add_argument("--turn", type=turn_limit, default=60.0, metavar="DEG/S", help=f"with --base: {turn}")
     driven = add(
         "drive",
         on_bus(lambda a, bus, stop: drive(bus, stop, a.linear, a.angular)),

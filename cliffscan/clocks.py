@@ -4,7 +4,7 @@ from collections import deque
 
 KEPT = 10  # statuses of each service: a clock that is set is followed in as many seconds
 TOLERATED = 0.05  # [s] by which clocks may differ: less cannot be distinguished from the network's delays
-REFERENCES = ("capture", "kobuki")  # the services on the robot, by whose clock the frames are stamped
+REFERENCES = ("capture", "kobuki", "gate")  # the services on the robot, by whose clock the frames are stamped
 
 
 class Clocks:

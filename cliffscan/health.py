@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 from cliffscan.clocks import Clocks
 from cliffscan.common.contract.messages import ServiceStatus
-from cliffscan.common.runtime.config import SERVICES
+from cliffscan.common.runtime.config import BASES, SENSING, SERVICES
 
 SILENT = 2.5  # [s] after which what comes once a second is missed
 FEEDS = {  # by whom each service is fed, and with what
@@ -37,7 +37,8 @@ def examine(alive: set[str], last: Mapping[str, LastStatus], clocks: Clocks, now
     """Every service that is there or should be, in alphabetical order. now: by the steady clock [s]."""
     silent = {name for name in alive | last.keys() if name not in last or now - last[name].at > SILENT}
     working = {name: last[name].status for name in alive if name not in silent}
-    names = sorted(alive | last.keys() | set(SERVICES))
+    base = [name for name in BASES if name in alive | last.keys()] or SERVICES[-1:]
+    names = sorted(alive | last.keys() | {*SENSING, *base})
     return [_examined(name, name in alive, last.get(name), working, clocks, now) for name in names]
 
 
@@ -69,7 +70,7 @@ def _without_status(name: str, alive: bool) -> tuple[str, str]:
     """State and note of a service that never published its status."""
     if not alive:
         return "not found", ""
-    return "alive", "it is alive, but no status of it comes" if name in SERVICES else ""
+    return "alive", "it is alive, but no status of it comes" if name in (*SERVICES, *BASES) else ""
 
 
 def _why_idle(name: str, working: Mapping[str, ServiceStatus]) -> str:

@@ -14,7 +14,7 @@ from cliffscan import preflight
 from cliffscan.common.contract.roles import ROUTER
 from cliffscan.common.runtime import config as configuration
 from cliffscan.common.runtime.bus import Bus, Network, NotConnected
-from cliffscan.common.runtime.config import SENSING, SERVICES, TABLES, ConfigError, meant_for
+from cliffscan.common.runtime.config import SENSING, TABLES, ConfigError, meant_for
 from cliffscan.common.runtime.options import VIEWER
 from cliffscan.common.runtime.secure import Credentials
 from cliffscan.common.runtime.service import StopSignal
@@ -32,7 +32,8 @@ SIMULATION = "simulation"
 LAST = "capture"  # started when all others are ready, so that its first frame is not lost
 TURN = 0.1  # [s] between two looks at the processes
 FIRST = [name for name in SENSING if name != LAST]
-Base = Literal["real", "none"]
+Base = Literal["real", "external", "none"]
+GUARDS = {"real": "kobuki", "external": "gate"}  # the service of each base
 
 log = logging.getLogger("cliffscan")
 
@@ -103,7 +104,17 @@ class Plan:
     @property
     def services(self) -> list[str]:
         """The services that are started."""
-        return [*SENSING, *(["kobuki"] if self.world or self.base == "real" else [])]
+        return [*SENSING, *([self.guard] if self.guard else [])]
+
+    @property
+    def guard(self) -> str:
+        """The service that guards the base; empty without one."""
+        return "kobuki" if self.world else GUARDS.get(self.base, "")
+
+    @property
+    def configured(self) -> list[str]:
+        """The services whose settings are read: where there is no base, a TurtleBot 2's too."""
+        return [*SENSING, self.guard or "kobuki"]
 
     @property
     def port(self) -> Path | None:
@@ -116,7 +127,7 @@ class Plan:
             ends = ["--link", str(self.port), "--control", f"{self.folder}/control"]
             simulation = [sys.executable, "-m", "cliffscan.simulator", *self._simulation(), *ends]
             return {SIMULATION: simulation, "kobuki": [*self.service("kobuki"), "--set", f"kobuki.port={self.port}"]}
-        return {"kobuki": self.service("kobuki")} if self.base == "real" else {}
+        return {self.guard: self.service(self.guard)} if self.guard else {}
 
     def _simulated_camera(self) -> list[str]:
         """What makes capture the camera of the simulated robot."""
@@ -140,14 +151,16 @@ class Plan:
         """
         world = ["capture.source=simulator", f"capture.world={self.world}"] if self.world else []
         plan = replace(self, overrides=[*self.overrides, *world])
-        configs = {service: preflight.load_config(service, plan.config, plan.own(service)) for service in SERVICES}
+        configs = {
+            service: preflight.load_config(service, plan.config, plan.own(service)) for service in plan.configured
+        }
         return configuration.dump(configs)
 
     def check(self) -> None:
         """Raise ConfigError for what a process would refuse, or must not be together, before any is started."""
         preflight.check_networks([self.router_network(), *map(self.client, (*self.services, VIEWER))])
         for override in self.overrides:
-            if not any(meant_for(service, override) for service in SERVICES):
+            if not any(meant_for(service, override) for service in self.configured):
                 expected, meant = ", ".join(TABLES), suggest(override.partition(".")[0], TABLES)
                 raise ConfigError(f"--set {override}: expected TABLE.KEY=VALUE, TABLE one of {expected}{meant}")
         given = configuration.given("capture", CaptureConfig, self.config, self.own("capture"))
@@ -155,14 +168,14 @@ class Plan:
             self._check_world(given)
         else:
             self._check_camera(given.get("source"))
-        for service in SERVICES:
+        for service in self.configured:
             simulated = self._simulated_camera() if service == "capture" else []
             preflight.load_config(service, self.config, [*self.own(service), *simulated])
 
     def _check_world(self, given: Mapping[str, object]) -> None:
         """A simulated robot has a camera and a base of its own. given: of capture. Raises ConfigError."""
-        if self.base == "real":
-            raise ConfigError("a simulated world has no place for a real base: leave out the one or the other")
+        if self.base != "none":
+            raise ConfigError(f"a simulated world has no place for a {self.base} base: leave out the one or the other")
         preflight.check_world(self.world)
         if given.get("source", "simulator") != "simulator":
             raise ConfigError(

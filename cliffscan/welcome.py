@@ -13,7 +13,7 @@ def welcome(plan: Plan) -> str:
         f"  cliffscan list{options}      all live keys",
         f"  cliffscan view{options}      a page in the browser",
     ]
-    if "kobuki" in plan.services:
+    if plan.guard:
         lines.append(f"  cliffscan drive{options}     with the keyboard")
     if plan.world:
         lines.append("Another world: cliffscan up --world NAME (cliffscan up --help has the names)")
@@ -26,6 +26,8 @@ def _started(plan: Plan) -> str:
     if plan.world:
         return f"a simulated TurtleBot 2 in the world {plan.world}"
     camera = f"the camera {plan.camera().source}"
+    if plan.base == "external":
+        return f"the gate for a base that publishes base/odom and obeys base/cmd_vel_safe, and {camera}"
     return f"a real base and {camera}" if plan.base == "real" else f"{camera}, without a base"
 
 

@@ -2,10 +2,10 @@
 
 A driver translates its base into `inputs` and asks a `MessageGate`:
 
-    gate = MessageGate(limits, warn)
+    gate = MessageGate(limits, wheel_separation, warn)
     gate.command(velocity, stamp, now)  # messages as they come
     gate.scan(scan, stamp, now)
     gate.describe(camera)
-    gate.sense(contacts, pose, stamp)  # at each packet of the base
+    gate.report(report, stamp, now)  # at each report of the base
     allowed = gate.decide(now).allowed  # goes to the wheels
 """

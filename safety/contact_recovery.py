@@ -5,6 +5,7 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
+from cliffscan.safety.hull import Hull
 from cliffscan.safety.inputs import Contacts, Sides
 from cliffscan.safety.pose2d import Floats, Pose2D
 
@@ -100,10 +101,10 @@ class ContactRecovery:
         self._hit, self._halted = None, ""
 
 
-def touched(hit: Hit, pose: Pose2D, radius: float) -> Floats:
+def touched(hit: Hit, pose: Pose2D, hull: Hull) -> Floats:
     """Points (2, n) [m] of the odometry's frame, on the rim of a robot at `pose`, to be avoided after a hit."""
     bearings = BEARINGS[hit.side] + np.linspace(-WIDTH, WIDTH, 5)
-    return pose.to_world(radius * np.stack([np.cos(bearings), np.sin(bearings)]))
+    return pose.to_world(hull.on_rim(bearings))
 
 
 def _hit_of(contacts: Contacts) -> Hit | None:

@@ -15,7 +15,7 @@ from cliffscan.safety.local_grid import RollingGrid
 from cliffscan.safety.pose2d import Pose2D
 from cliffscan.safety.rules import Decision, Situation
 from cliffscan.safety.scan_claims import Scan, View
-from cliffscan.safety.velocity_limiter import VelocityLimiter
+from cliffscan.safety.velocity_limiter import VelocityLimiter, room_to_turn
 from cliffscan.safety.velocity_ramp import VelocityRamp
 
 DOUBTED = 1.0  # [s] for which an odometry that contradicted itself is not driven by
@@ -25,7 +25,7 @@ class SafetyGate:
     """What is known, and what follows from it for the wheels."""
 
     def __init__(self, limits: SafetyLimits, pose: Pose2D) -> None:
-        self._limits = limits
+        self._limits, self._hull = limits, limits.hull()
         self._recovery = ContactRecovery()
         self._grid = RollingGrid(pose, limits.start_free)
         self._limiter = VelocityLimiter(limits, self._grid)
@@ -99,7 +99,7 @@ class SafetyGate:
     def sense(self, contacts: Contacts, pose: Pose2D) -> None:
         """The base reported what it feels, and the robot is at `pose` now."""
         self._contacts, self._pose = contacts, pose
-        self._grid.follow(pose, self._limits.radius)
+        self._grid.follow(pose, self._hull)
         if contacts.stop_button:
             self.stop("the stop button")
 
@@ -146,6 +146,6 @@ class SafetyGate:
             self._blind_until = now
             if self._carried:
                 self._grid.forget()
-                self._grid.follow(self._pose, self._limits.radius)
+                self._grid.follow(self._pose, room_to_turn(self._hull, self._limits.margin))
             self._carried = False
         self._tilted = any(contacts.wheel_drops)

@@ -5,6 +5,9 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
+from cliffscan.safety.hull import Corners, Hull, hull_of
+from cliffscan.safety.pose2d import Pose2D
+
 Sides = tuple[bool, bool, bool]  # left, centre, right
 Wheels = tuple[bool, bool]  # left, right
 
@@ -43,6 +46,25 @@ class Contacts(NamedTuple):
     stop_button: bool = False  # the emergency stop on the body is pressed
 
 
+class Motion(NamedTuple):
+    """How far the base has gone since it began to report, by its own clock and sensors."""
+
+    clock: float  # [s]
+    left: float  # [m] of the left wheel
+    right: float  # [m] of the right wheel
+    gyro: float | None = None  # [rad], where it has a gyro
+
+
+class BaseReport(NamedTuple):
+    """What the base feels and where it is, by an odometry that never jumps. A text is empty where nothing is wrong."""
+
+    contacts: Contacts
+    pose: Pose2D
+    motion: Motion | None  # None where it does not go on from the report before
+    new_baseline: str = ""  # why it is not known how the robot moved since the report before
+    contradiction: bool = False  # whether that is because no base can report this after that
+
+
 class SafetyLimits(NamedTuple):
     """How fast the base may be, how it brakes, what it can collide with, and what it must not drive without."""
 
@@ -51,8 +73,12 @@ class SafetyLimits(NamedTuple):
     acceleration: float  # [m/s²]
     angular_acceleration: float  # [rad/s²]
     deceleration: float  # [m/s²] it brakes with, at the least
+    angular_deceleration: float  # [rad/s²] with which a turn on the spot ends, at the least
     reaction: float  # [s] from a decision to its effect
-    radius: float  # [m] of the disc around the middle between the wheels that holds the body
+    radius: (
+        float  # [m] of the disc around the middle between the wheels that holds the body, where there is no footprint
+    )
+    footprint: Corners  # [m] of the polygon that holds it, in order; none for a disc
     margin: float  # [m] kept from what is in the way
     start_free: float  # [m] around the place where the robot was put down that is floor
     command_timeout: float  # [s] without a command after which it stands
@@ -60,3 +86,7 @@ class SafetyLimits(NamedTuple):
     require_scan: bool  # without a fresh scan it only turns, slowly
     scan_timeout: float  # [s] since the scan was taken, and since it came
     slow_turn: float  # [rad/s] without a scan
+
+    def hull(self) -> Hull:
+        """The shape of the body from above."""
+        return hull_of(self.radius, self.footprint)

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cliffscan.safety.beam_clearance import sector, seen_past
+from cliffscan.safety.hull import Disc, Hull
 from cliffscan.safety.pose2d import Floats, Pose2D
 from cliffscan.safety.visible_floor import VisibleFloor
 
@@ -50,27 +51,26 @@ class RollingGrid:
         self._seen = np.full((CELLS, CELLS), UNKNOWN, np.int8)
         self._touched = np.zeros((CELLS, CELLS), np.bool_)
         self._corner = (0, 0)  # the number, among all cells of the world, of the square's first
-        self.follow(pose, start_free)
+        self.follow(pose, Disc(start_free))
 
     def begin_again(self, pose: Pose2D, start_free: float) -> None:
         """Nobody knows what happened since: what was free may not be, what was in the way may still be."""
         self._seen[(self._seen <= GUESSED) & ~self._touched] = UNKNOWN
-        self.follow(pose, start_free)
+        self.follow(pose, Disc(start_free))
 
     def forget(self) -> None:
         """The robot was carried: nothing that was seen or felt says anything of where it stands now."""
         self._seen[:] = UNKNOWN
         self._touched[:] = False
 
-    def follow(self, pose: Pose2D, radius: float) -> None:
-        """The robot is at `pose` now: its disc of `radius` [m] stands on floor, and what is far is forgotten.
+    def follow(self, pose: Pose2D, hull: Hull) -> None:
+        """The robot is at `pose` now: its hull stands on floor, and what is far is forgotten.
 
-        Not a cell more is freed than the disc covers: else the robot would creep ahead on floor nobody has seen.
+        Not a cell more is freed than the hull covers: else the robot would creep ahead on floor nobody has seen.
         """
         self._move(math.floor(pose.x / CELL) - CELLS // 2, math.floor(pose.y / CELL) - CELLS // 2)
-        near = self._window(pose.x, pose.y, radius)
-        dx, dy = self._offsets(near, pose)
-        covered = (dx * dx)[:, None] + dy * dy < radius * radius
+        near = self._window(pose.x, pose.y, hull.outer)
+        covered = hull.covers(*self._seen_from(pose, near))
         seen = self._seen[near]
         seen[covered & (seen <= UNKNOWN) & ~self._touched[near]] = FREE
 

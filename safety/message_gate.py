@@ -1,4 +1,4 @@
-"""The gate with what stands before it for a base of any make: messages and odometry in, decisions and notes out.
+"""The gate with what stands before it for a base of any make: messages and reports in, decisions and notes out.
 
 Steady times `now` are in seconds, stamps in nanoseconds since the epoch. Nothing here reads a clock.
 """
@@ -7,54 +7,109 @@ import math
 from collections.abc import Callable
 
 from cliffscan.common.contract.base_messages import SafetyState, Velocity
+from cliffscan.common.contract.description import CameraDescription
 from cliffscan.common.contract.messages import LaserScan
 from cliffscan.safety import scan_claims
 from cliffscan.safety.command_arbiter import CommandArbiter
 from cliffscan.safety.gate import SafetyGate
-from cliffscan.safety.inputs import REST, Contacts, SafetyLimits
+from cliffscan.safety.inputs import REST, BaseReport, SafetyLimits
+from cliffscan.safety.odometry_monitor import OdometryMonitor
 from cliffscan.safety.pose2d import Pose2D
 from cliffscan.safety.pose_history import PoseHistory
 from cliffscan.safety.rules import Decision
 from cliffscan.safety.scan_claims import Scan
 
 REMEMBERED = 1.0  # [s] for which a scan that was refused is reported
+TICK = 0.03  # [s] between decisions while the base is silent; else one follows each of its reports
+SILENT = 0.2  # [s] without a new report after which the base is taken for silent
+BOTH_SIMULATED = "the camera is simulated and the base is real: set capture.source to the camera on the robot"
 
 Warn = Callable[[str, str], None]  # warn(count, why)
 
 
 class MessageGate:
-    """Judges commands and scans, puts scans where the robot was, and decides.
+    """Judges commands, scans and the base's reports, puts scans where the robot was, and decides.
 
-    Poses are of one odometry that never jumps. `warn` is called with whatever is odd.
+    wheel_separation: [m] between the points whose ways a report has. `warn` is called with whatever is odd.
     """
 
-    def __init__(self, limits: SafetyLimits, warn: Warn) -> None:
+    def __init__(self, limits: SafetyLimits, wheel_separation: float, warn: Warn) -> None:
         start = Pose2D(0.0, 0.0, 0.0)
         self._warn = warn
         self._gate = SafetyGate(limits, start)
         self._arbiter = CommandArbiter(limits.command_timeout, limits.stamp_tolerance)
         self._history = PoseHistory()
+        self._monitor = OdometryMonitor(wheel_separation)
         self._scan_refused, self._scan_refused_at = "", -math.inf
+        self._camera: CameraDescription | None = None
+        self._decided_at = -math.inf
         self.decision = Decision("no_base", REST, REST)
-        # what a driver knows of its base goes to the gate as it is
-        self.describe, self.lose_base = self._gate.describe, self._gate.lose_base
-        self.stop, self.clear = self._gate.stop, self._gate.clear
-        self.distrust, self.doubt = self._gate.distrust, self._gate.doubt
+        self.stop = self._gate.stop
+        self.begin(-math.inf)
 
     @property
     def latched(self) -> bool:
         """Whether the robot stands still until clear()."""
         return bool(self._gate.stopped or self._gate.distrusted)
 
-    def restart(self, pose: Pose2D) -> None:
-        """Nobody knows what happened since the last report of the base; the robot is at `pose` now."""
-        self._gate.restart(pose)
-        self._arbiter.forget()
+    # ---- the base
 
-    def sense(self, contacts: Contacts, pose: Pose2D, stamp: int) -> None:
-        """The base reported what it feels and where it is."""
-        self._history.add(stamp, pose)
-        self._gate.sense(contacts, pose)
+    def begin(self, now: float) -> None:
+        """Know nothing of the base, which may report from now on."""
+        self._monitor.begin()
+        self._reported = False
+        self.catching_up = False  # with what the base sent while nobody read it
+        self.alive_at = now  # [s] when it last reported something new
+
+    def report(self, report: BaseReport, stamp: int, now: float) -> None:
+        """The base reported something new, at `stamp` [ns]. To be followed by decide()."""
+        self.alive_at, self._reported = now, True
+        if report.new_baseline:
+            self._warn("baseline", report.new_baseline)
+            self.catching_up = True
+        if self.catching_up:  # what is read late is of where the robot was; it begins anew where it is
+            self._gate.restart(report.pose)
+            self._arbiter.forget()
+            self._monitor.begin()
+        if report.contradiction:
+            self._gate.doubt(f"the odometry contradicts itself: {report.new_baseline}", now)
+        self._history.add(stamp, report.pose)
+        self._gate.sense(report.contacts, report.pose)
+        if report.motion:
+            self._monitor.read(*report.motion)
+            if stuck := self._monitor.stuck(now):
+                self._gate.distrust(stuck)
+            if wrong := self._monitor.contradicted() or self._monitor.runaway(now):
+                self._gate.doubt(wrong, now)
+
+    def caught_up(self) -> None:
+        """All that the base sent has been read."""
+        self.catching_up = False
+
+    def lose_base(self, why: str = "") -> None:
+        """The base has fallen silent."""
+        self._gate.lose_base(why)
+
+    def notice_silence(self, now: float, why: str) -> None:
+        """Time passes; why: what it means for this base where no new report comes any more."""
+        if now - self.alive_at > SILENT:
+            self._gate.lose_base(why if self._reported else "")
+
+    # ---- what comes for it
+
+    def describe(self, camera: CameraDescription) -> None:
+        """What the camera sees, and where it stands."""
+        self._camera = camera
+        self._gate.describe(camera)
+
+    def clear(self) -> None:
+        """Let go of all that holds until somebody says that it may."""
+        self._gate.clear()
+        self._monitor.begin()
+
+    def mismatch(self, simulated: bool) -> str:
+        """Why a base, simulated or real, must not drive by this camera, or nothing."""
+        return BOTH_SIMULATED if self._camera is not None and self._camera.simulated and not simulated else ""
 
     def command(self, message: Velocity, stamp: int, now: float) -> bool:
         """Somebody wants the robot to move; whether that slows it down, so that it is to be decided at once."""
@@ -79,9 +134,18 @@ class MessageGate:
             return
         self._gate.see(Scan.of(message, self._gate.view), pose, now - (stamp - message.stamp) * 1e-9, now)
 
-    def decide(self, now: float, refusal: str = "") -> Decision:
-        """What goes to the wheels; refusal: why the driver refuses the base, or nothing."""
+    # ---- what is decided
+
+    def due(self, now: float) -> bool:
+        """Whether the next decision cannot wait for a report."""
+        return now - self._decided_at >= TICK
+
+    def decide(self, now: float, refusal: str = "", driven: bool = True) -> Decision:
+        """What goes to the wheels; refusal: why the driver refuses the base, or nothing; driven: whether it obeys."""
+        self._decided_at = now
         self.decision = self._gate.decide(self._arbiter.newest, now, refusal)
+        if driven:
+            self._monitor.send(*self.decision.allowed, now)
         return self.decision
 
     def state(self, stamp: int, now: float) -> SafetyState:

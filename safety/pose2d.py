@@ -35,3 +35,9 @@ class Pose2D(NamedTuple):
         cos, sin = math.cos(self.theta), math.sin(self.theta)
         x, y = cos * other.x - sin * other.y, sin * other.x + cos * other.y
         return Pose2D(self.x + x, self.y + y, self.theta + other.theta)
+
+    def seen_from(self, other: Pose2D) -> Pose2D:
+        """The same pose in the frame of another one."""
+        cos, sin = math.cos(other.theta), math.sin(other.theta)
+        x, y = self.x - other.x, self.y - other.y
+        return Pose2D(cos * x + sin * y, cos * y - sin * x, self.theta - other.theta)

@@ -73,6 +73,15 @@ class Situation:
         """What is left of a velocity by what is ahead (side 1) or behind (-1), by a scan `age` [s] old or by none."""
         return self.limiter.limit(side, wanted, self.pose, age, self.now)
 
+    def limit_turn(self, wanted: Twist, age: float | None) -> SpeedLimit:
+        """What is left of a turn on the spot by what its corners would sweep."""
+        return self.limiter.limit_turn(wanted, self.pose, age, self.now)
+
+    def turn_on_the_spot(self, angular: float, age: float | None) -> Twist:
+        """The robot turns, as far as nothing is in the way of its corners."""
+        turn = self.ramp.toward(Twist(0.0, angular))
+        return turn.scaled(self.limit_turn(turn, age).factor)
+
 
 def refused(it: Situation) -> Decision | None:
     """The driver does not accept the base."""
@@ -130,23 +139,24 @@ def no_scan(it: Situation) -> Decision | None:
         return None
     note = f"last scan {it.scan_age:.1f} s old" if it.scan_age < math.inf else "no scan yet"
     slow = it.limits.slow_turn
-    turn = Twist(0.0, min(max(it.asked.angular, -slow), slow))
-    allowed = it.ramp.toward(turn) if it.limiter.stands(it.now) else REST
+    turn = min(max(it.asked.angular, -slow), slow)
+    allowed = it.turn_on_the_spot(turn, it.limits.scan_timeout) if it.limiter.stands(it.now) else REST
     return Decision("no_scan", allowed, it.asked, note=note)
 
 
 def obstacle(it: Situation) -> Decision | None:
     """Something is in the way: so fast that the robot can brake before it touches anything.
 
-    A robot that can hardly go on turns on the spot, which touches nothing new.
+    A robot that can hardly go on turns on the spot: a disc touches nothing new by that; what others sweep is looked at.
     """
     limits = [it.limit(side, it.wanted, it.fresh_age) for side in (1, -1)]
+    limits.append(it.limit_turn(it.wanted, it.fresh_age))
     factor = min(limit.factor for limit in limits)
     if factor >= 1.0:
         return None
     slower = it.wanted.scaled(factor)
     if abs(slower.linear) < CRAWL and it.limiter.stands(it.now):
-        slower = it.ramp.toward(Twist(0.0, it.ramp.limited(it.asked).angular))
+        slower = it.turn_on_the_spot(it.ramp.limited(it.asked).angular, it.fresh_age)
     nearest = min(limits, key=lambda limit: limit.distance)
     return Decision("obstacle", slower, it.asked, nearest.distance, obstruction=nearest.obstruction)
 
@@ -167,7 +177,7 @@ def _back_off(it: Situation, kind: Kind) -> Decision | None:
         return None
     hit, linear, angular, note, pressed = it.reaction
     if pressed:
-        it.grid.touch(touched(hit, it.pose, it.limits.radius))
+        it.grid.touch(touched(hit, it.pose, it.limiter.hull))
     if linear < 0.0:
         behind = it.limit(-1, Twist(linear, angular), None)
         linear *= behind.factor
@@ -176,6 +186,7 @@ def _back_off(it: Situation, kind: Kind) -> Decision | None:
                 return it.rest(kind, "something is behind", behind.distance)
             it.recovery.clear()
             return None
+    angular *= it.limit_turn(Twist(linear, angular), None).factor
     return Decision(kind, Twist(linear, angular), it.asked, note=note)
 
 

@@ -3,13 +3,15 @@
 import math
 from typing import NamedTuple
 
-from cliffscan.safety.arc_collision import NO_CONTACT, Contact, first_contact, safe_speed
+from cliffscan.safety.arc_collision import NO_CONTACT, Contact, safe_speed
+from cliffscan.safety.hull import Disc, Hull
 from cliffscan.safety.inputs import SafetyLimits, Twist
 from cliffscan.safety.local_grid import HALF_CELL, LOOK, RollingGrid
 from cliffscan.safety.pending_motion import SLOW, PendingMotion
 from cliffscan.safety.pose2d import Floats, Pose2D
 
 WIDER = 0.1  # [m] looked at beyond what braking takes
+TURN = 0  # beside the sides 1 and -1: a turn on the spot
 ROUNDING = 1e-6  # [m] by which the same distance differs from one pose to the next
 
 
@@ -45,16 +47,18 @@ DIRECTIONS = (  # up to which angle from straight ahead [rad]
 class VelocityLimiter:
     """Looks along the arcs the robot may take, before it and behind it.
 
-    A cell of the grid that is not free is kept `margin` away from the disc. One that is nearer already may be driven
-    past, at no less than the least distance it came to and only while the disc surely touches nothing in it.
+    A cell of the grid that is not free is kept `margin` away from the hull. One that is nearer already may be driven
+    past, at no less than the least distance it came to and only while the hull surely touches nothing in it.
     """
 
     def __init__(self, limits: SafetyLimits, grid: RollingGrid) -> None:
         self._limits, self._grid = limits, grid
-        self._pending = PendingMotion(limits.reaction, limits.deceleration)
-        self._least = limits.radius + HALF_CELL  # [m] from the middle of a cell whose corner the disc touches
-        self._radius = self._least + limits.margin
-        self._clearance = {1: self._radius, -1: self._radius}
+        self._pending = PendingMotion(limits.reaction, limits.deceleration, limits.angular_deceleration)
+        self.hull: Hull = limits.hull()
+        self._least = self.hull.rim + HALF_CELL  # [m] to the middle of a cell whose corner the hull touches
+        self._kept = self._least + limits.margin
+        self._outer = self.hull.outer + HALF_CELL + limits.margin  # [m] from the middle to what is kept free
+        self._clearance = {1: self._kept, -1: self._kept, TURN: self._kept}
 
     def rest(self) -> None:
         """The base stands still."""
@@ -73,17 +77,19 @@ class VelocityLimiter:
 
         The robot is at `pose`. The last scan is `age` [s] old, or none is needed. While the base still goes on from
         before, faster than it could brake on the new arc, it is to brake first and to turn then. A turn on the spot
-        touches nothing new.
+        is limit_turn's.
         """
         linear, angular = wanted
         asks, drift = max(side * linear, 0.0), self._pending.speed(side, now)
         if asks == 0.0 and (drift <= SLOW or angular == 0.0):
             return NO_LIMIT
-        curvatures = self._pending.curvatures(side, linear, angular, now)
+        spins = [] if self.hull.turns_free else self._pending.spins(now)
+        curvatures = self._pending.curvatures(side, linear, angular, now, spins)
         latency = self._limits.reaction + (age or 0.0)
-        # what lies behind is not seen, and backing away must stay possible: only what is known to be there counts
-        contact, points = self._contact(side, max(asks, drift), curvatures, latency, pose, age is not None and side > 0)
-        fastest = safe_speed(contact.distance, self._limits.deceleration, latency)
+        # what lies behind is not seen, and backing away must stay possible: for a disc only
+        # what is known to be there counts; any other hull stays on floor that was seen, or it could not turn any more
+        unknown_too = age is not None and (side > 0 or not self.hull.turns_free)
+        fastest, contact, points = self._fastest(side, max(asks, drift), curvatures, latency, pose, unknown_too)
         swerves = len(curvatures) > 1 and drift > max(fastest, SLOW)
         if swerves or asks > fastest:
             return SpeedLimit(
@@ -91,16 +97,52 @@ class VelocityLimiter:
             )
         return NO_LIMIT
 
-    def _contact(
+    def limit_turn(self, wanted: Twist, pose: Pose2D, age: float | None, now: float) -> SpeedLimit:
+        """What is left of a velocity that turns the robot on the spot: its corners sweep what lies beside it.
+
+        A robot that drives brakes first. What was never seen counts wherever a scan is needed.
+        """
+        if self.hull.turns_free or wanted.angular == 0.0 or abs(wanted.linear) > SLOW:
+            return NO_LIMIT
+        if not self.stands(now):
+            return SpeedLimit(0.0, 0.0)
+        points = self._grid.not_free(pose, self._outer, age is not None)
+        direction = 1 if wanted.angular > 0.0 else -1
+        contact = self.hull.on_the_spot(points, direction, self._kept, self._approach(TURN, points))
+        fastest = safe_speed(contact.distance, self._limits.angular_deceleration, self._limits.reaction + (age or 0.0))
+        if abs(wanted.angular) <= fastest:
+            return NO_LIMIT
+        swept = contact.distance * self.hull.outer
+        return SpeedLimit(fastest / abs(wanted.angular), swept, self._obstruction(contact, points, pose))
+
+    def _fastest(
         self, side: int, speed: float, curvatures: list[float], latency: float, pose: Pose2D, unknown_too: bool
-    ) -> tuple[Contact, Floats]:
-        """Where the robot comes to on the worst of these arcs [1/m], and the points (2, n) [m] that are not free."""
-        braking = speed * latency + speed**2 / (2.0 * self._limits.deceleration)
-        reach = min(self._radius + braking + WIDER, LOOK)
+    ) -> tuple[float, Contact, Floats]:
+        """The speed [m/s] from which the robot stops before it touches anything on the worst of these arcs [1/m].
+
+        With it, what it touches first there, and the points (2, n) [m] that are not free.
+        """
+        braking = speed * latency + speed**2 / (2.0 * min(map(self._deceleration, curvatures)))
+        reach = min(self._outer + braking + WIDER, LOOK)
         points = self._grid.not_free(pose, reach, unknown_too)
         clearance = self._approach(side, points)
-        contacts = [first_contact(points, side, each, self._radius, clearance) for each in curvatures]
-        return min([*contacts, NO_CONTACT._replace(distance=reach - self._radius)]), points
+        nothing = NO_CONTACT._replace(distance=reach - self._outer)
+        speeds = []
+        for each in curvatures:
+            contact = min(self.hull.on_arc(points, side, each, self._kept, clearance), nothing)
+            speeds.append((safe_speed(contact.distance, self._deceleration(each), latency), contact))
+        return *min(speeds), points
+
+    def _deceleration(self, curvature: float) -> float:
+        """With how much [m/s²] the robot brakes on an arc [1/m].
+
+        The outer wheel of two brakes for the turn as well: with `deceleration` a of the wheels and half a track h, the
+        turn ends with a / h, and the middle of the robot brakes with a / (1 + h·|curvature|).
+        """
+        straight = self._limits.deceleration
+        if self.hull.turns_free:
+            return straight
+        return straight / (1.0 + abs(curvature) * straight / self._limits.angular_deceleration)
 
     def _obstruction(self, contact: Contact, points: Floats, pose: Pose2D) -> Obstruction | None:
         """What is touched there."""
@@ -108,14 +150,20 @@ class VelocityLimiter:
             return None
         x, y = points[:, contact.point]
         kind = self._grid.kind_at(pose.to_world(points[:, contact.point, None]))
-        return Obstruction(kind, math.atan2(y, x), max(math.hypot(x, y) - self._least, 0.0))
+        gap = float(self.hull.measure(points[:, contact.point, None])[0]) - self._least
+        return Obstruction(kind, math.atan2(y, x), max(gap, 0.0))
 
     def _approach(self, side: int, points: Floats) -> float:
         """The least distance [m] at which anything may be passed, by what came nearest since something is near."""
-        nearest = math.sqrt(float((points[0] ** 2 + points[1] ** 2).min(initial=self._radius**2)))
-        before = self._clearance[side] if nearest < self._radius else self._radius
+        nearest = float(self.hull.measure(points).min(initial=self._kept))
+        before = self._clearance[side] if nearest < self._kept else self._kept
         self._clearance[side] = max(min(before, nearest), self._least)
         return self._clearance[side] - ROUNDING
+
+
+def room_to_turn(hull: Hull, margin: float) -> Hull:
+    """What the hull covers, or where a turn on the spot sweeps more, what that needs with a margin [m]."""
+    return hull if hull.turns_free else Disc(hull.outer + HALF_CELL + margin + ROUNDING)
 
 
 def _direction(bearing: float) -> str:

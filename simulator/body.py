@@ -5,31 +5,43 @@ Its frame is REP-103's base_link: x ahead, y left, z up, the origin on the floor
 
 import math
 from importlib.resources import files
+from typing import NamedTuple
 
 import mujoco
 import numpy as np
 
 from cliffscan.common.contract.camera import Floats
-from cliffscan.simulator.kobuki.kinematics import Wheels
+from cliffscan.simulator.kobuki.kinematics import TRACK, Wheels
 from cliffscan.simulator.world import SCENE, START, Pose, world_source
 
 STEP = 2_000_000  # [ns] of the physics
-WHEEL_RADIUS = 0.035  # [m]
-HULL = ("base", "plates")  # what may bump into something
 SIDES = ("left", "right")
 STEEPEST = math.sqrt(0.5)  # of a push's direction along the body's up: what comes from farther below is the ground
 PREFIX = "robot/"
+
+
+class BodyModel(NamedTuple):
+    """A body with two driven wheels, in the file NAME.xml beside this one."""
+
+    name: str
+    wheel_radius: float  # [m]
+    track: float  # [m] between the wheels
+    hull: tuple[str, ...]  # the geoms that may bump into something
+
+
+TURTLEBOT_2 = BodyModel("turtlebot2", 0.035, TRACK, ("base", "plates"))
 ONLY_SCENE = np.array([group == SCENE for group in range(6)], dtype=np.uint8)
 
 
 class Body:
-    """A TurtleBot 2 that stands in a world. Raises ValueError for an unknown world."""
+    """A robot, a TurtleBot 2 unless told otherwise, that stands in a world. Raises ValueError for an unknown world."""
 
-    def __init__(self, world: str, pose: Pose = START) -> None:
-        self.model = model_of(world)
+    def __init__(self, world: str, pose: Pose = START, kind: BodyModel = TURTLEBOT_2) -> None:
+        self.kind = kind
+        self.model = model_of(world, kind)
         self.data = mujoco.MjData(self.model)
         self._base = self.model.body(f"{PREFIX}base").id
-        self._hull = np.isin(np.arange(self.model.ngeom), [self.model.geom(f"{PREFIX}{name}").id for name in HULL])
+        self._hull = np.isin(np.arange(self.model.ngeom), [self.model.geom(f"{PREFIX}{name}").id for name in kind.hull])
         self._turned = [self.model.joint(f"{PREFIX}{side}_wheel").qposadr[0] for side in SIDES]
         self._turning = [self.model.joint(f"{PREFIX}{side}_wheel").dofadr[0] for side in SIDES]
         self._springs = [self.model.joint(f"{PREFIX}{side}_spring").qposadr[0] for side in SIDES]
@@ -44,7 +56,7 @@ class Body:
 
     def step(self, speeds: Wheels) -> None:
         """Let one STEP pass, in which the motors make for these speeds of the rims [m/s]."""
-        self.data.ctrl[:] = speeds.left / WHEEL_RADIUS, speeds.right / WHEEL_RADIUS
+        self.data.ctrl[:] = speeds.left / self.kind.wheel_radius, speeds.right / self.kind.wheel_radius
         mujoco.mj_step(self.model, self.data)
 
     @property
@@ -79,13 +91,13 @@ class Body:
     @property
     def rims(self) -> Wheels:
         """How far each rim has turned [m]."""
-        left, right = (WHEEL_RADIUS * float(self.data.qpos[place]) for place in self._turned)
+        left, right = (self.kind.wheel_radius * float(self.data.qpos[place]) for place in self._turned)
         return Wheels(left, right)
 
     @property
     def rim_speeds(self) -> Wheels:
         """Speed of each rim [m/s]."""
-        left, right = (WHEEL_RADIUS * float(self.data.qvel[place]) for place in self._turning)
+        left, right = (self.kind.wheel_radius * float(self.data.qvel[place]) for place in self._turning)
         return Wheels(left, right)
 
     @property
@@ -113,13 +125,13 @@ class Body:
         return distance if distance >= 0.0 else math.inf
 
 
-def model_of(world: str) -> mujoco.MjModel:
+def model_of(world: str, kind: BodyModel) -> mujoco.MjModel:
     """The physics of a world with the robot in it."""
     scene = mujoco.MjSpec.from_string(world_source(world))
     scene.option.timestep = STEP * 1e-9
     scene.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
     scene.option.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
     scene.option.impratio = 10.0  # wheels grip rather than creep
-    robot = mujoco.MjSpec.from_string((files("cliffscan.simulator") / "turtlebot2.xml").read_text(encoding="utf-8"))
+    robot = mujoco.MjSpec.from_string((files("cliffscan.simulator") / f"{kind.name}.xml").read_text(encoding="utf-8"))
     scene.attach(robot, frame=scene.worldbody.add_frame(), prefix=PREFIX)
     return scene.compile()

@@ -9,19 +9,17 @@ while not simulation.fallen:
 
 import math
 
-import numpy as np
-
-from cliffscan.common.contract.camera import Camera, Floats, FloorPlane, axes, check_camera
+from cliffscan.common.contract.camera import Camera, Floats, FloorPlane
+from cliffscan.common.contract.description import TURTLEBOT_2
 from cliffscan.simulator.body import Body
-from cliffscan.simulator.faces import faces_of
-from cliffscan.simulator.kinect import Image, KinectModel, Millimetres, SensorModel, kinect_camera, sense
+from cliffscan.simulator.kinect import Image, KinectModel, Millimetres, SensorModel, kinect_camera
 from cliffscan.simulator.kobuki.base import Base
 from cliffscan.simulator.kobuki.drive import WheelModel
 from cliffscan.simulator.kobuki.firmware import DEAD_TIME, Firmware
 from cliffscan.simulator.kobuki.kinematics import TRACK, Wheels, limited
 from cliffscan.simulator.kobuki.line import Line
 from cliffscan.simulator.kobuki.ticker import SECOND
-from cliffscan.simulator.rasteriser import depth_image
+from cliffscan.simulator.mounted_camera import MountedCamera
 from cliffscan.simulator.senses import Reporter, feel
 from cliffscan.simulator.wheels import PhysicalWheels
 from cliffscan.simulator.world import START, Pose, World
@@ -80,9 +78,6 @@ class RobotBase(Base):
         self.fallen |= self.body.tilt > FALLEN_TILT or float(self.body.position[2]) < -FALLEN_DEPTH
 
 
-CAMERA_X = -0.087  # [m] the Kinect of a TurtleBot 2 stands behind the wheels
-
-
 class RobotSimulation:
     """A TurtleBot 2 in a world by name, the same for the same seed and the same calls. Time passes only in `step`.
 
@@ -103,11 +98,9 @@ class RobotSimulation:
     ) -> None:
         self.world = World(world, pose)
         self.camera = camera or kinect_camera()
-        self.sensor: SensorModel = sensor or KinectModel()
-        check_camera(self.camera)
         self.base = RobotBase(Body(world, pose), wheels, dead_time, seed)
-        self._faces = faces_of(self.world)
-        self._rng = np.random.default_rng(seed)
+        model = sensor or KinectModel()
+        self._mounted = MountedCamera(self.world, self.base.body, self.camera, model, TURTLEBOT_2.x, seed)
 
     @property
     def time(self) -> float:
@@ -145,25 +138,20 @@ class RobotSimulation:
 
     def depth(self) -> Image:
         """Exact depth [m] of what the camera sees now: (rows, cols), inf = nothing."""
-        return depth_image(self._faces, *self.camera_pose(), self.camera)
+        return self._mounted.depth()
 
     def frame(self) -> Millimetres:
         """What the sensor sees now: (rows, cols) [mm], 0 = no return."""
-        return sense(self.depth(), self.camera, self.sensor, self._rng)
+        return self._mounted.frame()
 
     def camera_pose(self) -> tuple[Floats, Floats]:
-        """The camera's true position (3,) [m] in the world, and rotation (3, 3) to it from its optical frame."""
-        body = self.base.body
-        position = body.position + body.rotation @ np.array([CAMERA_X, 0.0, self.camera.floor.d])
-        return position, body.rotation @ np.stack(axes(self.camera.floor))
+        """See MountedCamera."""
+        return self._mounted.camera_pose()
 
     def viewpoint(self) -> Pose:
-        """Where scans are taken from: the floor below the camera, heading along its optical axis."""
-        (x, y, _), rotation = self.camera_pose()
-        return Pose(float(x), float(y), math.atan2(rotation[1, 2], rotation[0, 2]))
+        """See MountedCamera."""
+        return self._mounted.viewpoint()
 
     def floor(self) -> FloorPlane:
-        """The plane z = 0 as the camera truly stands over it: what a floor tracker should find on a level floor."""
-        position, rotation = self.camera_pose()
-        nx, ny, nz = rotation[2].tolist()
-        return FloorPlane(nx, ny, nz, float(position[2]))
+        """See MountedCamera."""
+        return self._mounted.floor()

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import get_args
 
+from benchmarks.falls.bases import Base
 from benchmarks.falls.cases import Case, all_cases, length
 from benchmarks.falls.log import Outcome
 from benchmarks.falls.perception import Mode
@@ -19,6 +20,7 @@ from evaluation.workers import counted
 OUT = Path("out/falls")
 SPEEDS = (0.2, 0.35, 0.5)  # [m/s]
 MODES: tuple[Mode, ...] = get_args(Mode)
+BASES: tuple[Base, ...] = get_args(Base)
 
 
 def arguments() -> argparse.Namespace:
@@ -30,16 +32,21 @@ def arguments() -> argparse.Namespace:
     parser.add_argument("--worlds", type=int, default=60, help="how many, shared by the speeds (60)")
     parser.add_argument("--speeds", type=speeds, default=SPEEDS, help="[m/s], with commas between (0.2,0.35,0.5)")
     parser.add_argument("--modes", type=some_of(MODES), default=MODES, help=f"with commas between ({','.join(MODES)})")
+    parser.add_argument(
+        "--base", choices=BASES, default=BASES[0], help="the robot; all but a TurtleBot 2 are behind services/gate"
+    )
     parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1, help="processes (one for each core)")
     parser.add_argument("--seed", type=int, default=0, help="of the first world (0)")
     parser.add_argument("--out", type=Path, default=OUT, help=f"folder of the results ({OUT})")
-    parser.add_argument("--only", type=Case.parse, metavar="MODE:SPEED:SEED", help="replay one run, and draw it")
+    parser.add_argument("--only", type=Case.parse, metavar="MODE:SPEED:SEED[:BASE]", help="replay one run, and draw it")
     parser.add_argument(
         "--processes",
         action="store_true",
         help="through the real services, one run after the other, at the clock's pace",
     )
     options = parser.parse_args()
+    if options.processes and options.base != BASES[0]:
+        parser.error(f"--processes runs a {BASES[0]}: leave out --base {options.base}")
     if options.processes and options.only:
         parser.error("--only replays what the processes do not: a run that is the same again")
     if options.processes and (unknown := set(options.modes) - set(OVERRIDES)):
@@ -76,7 +83,7 @@ def replay(case: Case, metres: float, out: Path) -> None:
     for event in outcome.events:
         print(", ".join(f"{key} {value}" for key, value in event_record(outcome, event).items()))
     picture = out / f"{case.file_name}.png"
-    draw(outcome, trial.log.track, trial.robot.world, picture)
+    draw(outcome, trial.log.track, trial.robot.world, trial.robot.size.radius, picture)
     print(picture)
 
 
@@ -103,7 +110,7 @@ def main() -> None:
     if options.only:
         replay(options.only, metres, options.out)
         return
-    cases = all_cases(options.modes, options.speeds, options.worlds, options.seed)
+    cases = all_cases(options.modes, options.speeds, options.worlds, options.seed, options.base)
     out = options.out
     runs = through_processes(cases, metres, out) if options.processes else measure(cases, metres, options.jobs)
     if outcomes := noted(runs, len(cases), metres, out):

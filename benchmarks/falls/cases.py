@@ -1,9 +1,10 @@
-"""The runs: who drives, how fast, and in which random world."""
+"""The runs: which robot, what it sees by, how fast it wants to go, and in which random world."""
 
 import argparse
 from collections.abc import Sequence
 from typing import NamedTuple, Self, get_args
 
+from benchmarks.falls.bases import Base
 from benchmarks.falls.perception import Mode
 
 
@@ -13,11 +14,13 @@ class Case(NamedTuple):
     mode: Mode
     speed: float  # [m/s] that the driver asks for
     seed: int
+    base: Base = "turtlebot2"
 
     @property
     def name(self) -> str:
         """How --only names it."""
-        return f"{self.mode}:{self.speed:g}:{self.seed}"
+        base = "" if self.base == "turtlebot2" else f":{self.base}"
+        return f"{self.mode}:{self.speed:g}:{self.seed}{base}"
 
     @property
     def file_name(self) -> str:
@@ -34,15 +37,17 @@ class Case(NamedTuple):
         """The case of that name. Raises ArgumentTypeError where it is none."""
         mode, *numbers = text.split(":")
         try:
-            speed, seed = numbers
-            return cls(next(known for known in get_args(Mode) if known == mode), float(speed), int(seed))
+            speed, seed, *base = numbers
+            base = base or ["turtlebot2"]
+            (known,) = (each for each in get_args(Base) if [each] == base)
+            return cls(next(each for each in get_args(Mode) if each == mode), float(speed), int(seed), known)
         except (ValueError, StopIteration):
-            raise argparse.ArgumentTypeError(f"{text!r}, expected MODE:SPEED:SEED") from None
+            raise argparse.ArgumentTypeError(f"{text!r}, expected MODE:SPEED:SEED or MODE:SPEED:SEED:BASE") from None
 
 
-def all_cases(modes: Sequence[Mode], speeds: Sequence[float], worlds: int, first: int) -> list[Case]:
+def all_cases(modes: Sequence[Mode], speeds: Sequence[float], worlds: int, first: int, base: Base) -> list[Case]:
     """The worlds from a seed on, shared by the speeds; every mode runs in each of them before the next one."""
-    return [Case(mode, speeds[world % len(speeds)], first + world) for world in range(worlds) for mode in modes]
+    return [Case(mode, speeds[world % len(speeds)], first + world, base) for world in range(worlds) for mode in modes]
 
 
 def length(minutes: float, worlds: int, speeds: Sequence[float]) -> float:

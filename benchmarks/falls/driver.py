@@ -9,6 +9,7 @@ turns away and picks another goal; when the robot does not get away from a place
 import math
 from random import Random
 
+from benchmarks.falls.bases import Size
 from benchmarks.falls.memory import Memory, Place
 from benchmarks.falls.sight import SQUARE
 from cliffscan.common.contract.messages import LaserScan
@@ -36,9 +37,9 @@ GAINS = (1.2, 3.0)  # [1/s] how hard it steers
 class Driver:
     """One robot's driver. low, high: corners of the floor plan [m]; speed [m/s]."""
 
-    def __init__(self, low: Place, high: Place, speed: float, random: Random) -> None:
+    def __init__(self, low: Place, high: Place, speed: float, random: Random, size: Size) -> None:
         self._speed, self._random = speed, random
-        self._memory = Memory(low, high)
+        self._memory = Memory(low, high, size)
         self._way: list[Place] = []  # to the goal, which is its last place
         self._whim = False
         self._until = 0.0  # [s] when the goal is given up

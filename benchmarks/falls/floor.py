@@ -17,7 +17,7 @@ from cliffscan.simulator.world import Pose, World
 from evaluation.truth.beam_truth import Mask
 
 CELL = 0.05  # [m]
-RADIUS = 0.18  # [m] of the robot
+RADIUS = 0.18  # [m] of a TurtleBot 2
 ROOM = 0.08  # [m] between disc and obstacle or edge that the gate keeps at the most: its margin and its own cells
 STEP = 0.012  # [m] up or down from one cell to the next that ends the floor: a ramp of 5 degrees has 4 mm
 NEAR = 0.30  # [m] within which a place counts as visited
@@ -26,7 +26,8 @@ NEAR = 0.30  # [m] within which a place counts as visited
 class Floor:
     """Where a robot can be in a world. Masks are (rows along x, columns along y), of places of the disc's middle."""
 
-    def __init__(self, world: World) -> None:
+    def __init__(self, world: World, radius: float = RADIUS) -> None:
+        self._radius = radius
         self._pieces = footprints(world)
         walls = np.concatenate([piece.outline() for piece in self._pieces if kind(piece) == "obstacle"])
         self.low, self.high = walls.min(axis=0), walls.max(axis=0)  # [m] corners of the floor plan
@@ -37,12 +38,12 @@ class Floor:
     @cached_property
     def free(self) -> Mask:
         """Where the disc stands on floor and touches nothing."""
-        return self._clear(RADIUS)
+        return self._clear(self._radius)
 
     @cached_property
     def roomy(self) -> Mask:
         """Where it stands so that the gate has no cause to hold it."""
-        return self._clear(RADIUS + ROOM)
+        return self._clear(self._radius + ROOM)
 
     @cached_property
     def reachable(self) -> Mask:

@@ -5,6 +5,7 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
+from benchmarks.falls.bases import Size
 from benchmarks.falls.cases import Case
 from benchmarks.falls.floor import Floor, arc
 from cliffscan.common.contract.base_messages import Rule
@@ -64,7 +65,7 @@ class Look(NamedTuple):
     pose: Pose
     fallen: bool
     bumps: int  # so far
-    cliff: bool  # whether a cliff sensor tells of one
+    cliff: bool  # whether a cliff sensor fires, or without one a wheel or a caster has no floor below it
 
 
 class Watch:
@@ -106,8 +107,8 @@ class Watch:
 class Log:
     """A run in a world: where the robot was, when the gate held it, what happened to it."""
 
-    def __init__(self, case: Case, world: World) -> None:
-        self.floor = Floor(world)
+    def __init__(self, case: Case, world: World, size: Size) -> None:
+        self.floor = Floor(world, size.radius)
         self.watch = Watch()
         self.track: list[Point] = []
         self._case = case

@@ -9,12 +9,13 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from benchmarks.falls.bases import Size
 from benchmarks.falls.sight import SQUARE, Sight
 from cliffscan.common.contract.messages import LaserScan
 from cliffscan.simulator.world import Pose
 
 SEEN = 0.45, 0.28  # [m] around the robot that counts as visited, in a first and in a second round
-STOPPED = 0.20, 0.15  # [m] ahead of a robot that was held, and around there, where its middle cannot get to
+STOPPED = 0.15  # [m] around a place ahead of a robot that was held, where its middle cannot get to
 
 Place = tuple[float, float]  # [m]
 Square = tuple[int, int]
@@ -24,14 +25,15 @@ STEPS = ((1, 0), (0, 1), (-1, 0), (0, -1))
 class Memory:
     """Squares of a floor plan between two corners [m]. Where nothing is known, the way is thought to be free."""
 
-    def __init__(self, low: Place, high: Place) -> None:
+    def __init__(self, low: Place, high: Place, size: Size) -> None:
         self.low, self.high = low, high
+        self._ahead = size.ahead
         shape = math.ceil((high[0] - low[0]) / SQUARE), math.ceil((high[1] - low[1]) / SQUARE)
         self._least = np.full(shape, math.inf)  # [m] how near it was; 0 for what was tried in vain
         self._round = 0
         self._shut = np.zeros(shape, dtype=bool)  # by the gate
         self._stood = np.zeros(shape, dtype=bool)  # where its middle was, so that it can be there
-        self._sight = Sight(low, shape)
+        self._sight = Sight(low, shape, size)
         x, y = (first + SQUARE * (0.5 + np.arange(count)) for first, count in zip(low, shape, strict=True))
         self._x, self._y = x[:, None], y[None, :]
 
@@ -51,8 +53,7 @@ class Memory:
 
     def shut(self, x: float, y: float, heading: float) -> None:
         """A robot there [m] could not go on that way [rad]."""
-        ahead, around = STOPPED
-        self._shut |= self._around(x + ahead * math.cos(heading), y + ahead * math.sin(heading), around)
+        self._shut |= self._around(x + self._ahead * math.cos(heading), y + self._ahead * math.sin(heading), STOPPED)
         self._shut[self.square(x, y)] = False
 
     def ways(self, start: Place) -> Ways:

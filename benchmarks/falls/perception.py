@@ -16,13 +16,13 @@ Mode = Literal["default", "paper", "positive"]
 Perception = Callable[[Millimetres, int], LaserScan]  # of a frame (rows, columns) [mm] and its stamp [ns]
 
 FRAME = "camera_depth_optical_frame"
-PAPER, DEFAULT = Settings.of_profile("paper"), Settings()
+PAPER = Settings.of_profile("paper")
 
 
-def perception(mode: Mode, camera: Camera) -> Perception:
+def perception(mode: Mode, camera: Camera, settings: Settings) -> Perception:
     """What makes the scans of one robot, whose camera is mounted like that as far as anybody knows.
 
-    default: the tracked floor and what the services do unless told otherwise. paper: its two algorithms on the plane
+    default: the tracked floor and what the services do by `settings`. paper: its two algorithms on the plane
     of the mount. positive: the tracked floor and what stands on it, no edges.
     """
     if mode == "paper":
@@ -33,8 +33,8 @@ def perception(mode: Mode, camera: Camera) -> Perception:
         return _image(depth, stamp, replace(camera, floor=tracker.update(depth, camera)))
 
     if mode == "positive":
-        return lambda depth, stamp: positive_scan(tracked(depth, stamp), DEFAULT.positive)
-    return lambda depth, stamp: perceive(tracked(depth, stamp), DEFAULT).fused
+        return lambda depth, stamp: positive_scan(tracked(depth, stamp), settings.positive)
+    return lambda depth, stamp: perceive(tracked(depth, stamp), settings).fused
 
 
 def _image(depth: Millimetres, stamp: int, camera: Camera) -> DepthImage:

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 from matplotlib.patches import Circle
 
-from benchmarks.falls.floor import CELL, NEAR, RADIUS, Floor, dilated
+from benchmarks.falls.floor import CELL, NEAR, Floor, dilated
 from benchmarks.falls.log import Outcome, Point
 from cliffscan.simulator.truth import outlines
 from cliffscan.simulator.world import World
@@ -19,11 +19,11 @@ AROUND = 0.3  # [m] shown around the floor plan
 SIZE = 8.0, 12.0  # [inch] high and wide
 
 
-def draw(outcome: Outcome, track: Sequence[Point], world: World, path: Path) -> None:
-    """Write the picture of a run."""
+def draw(outcome: Outcome, track: Sequence[Point], world: World, radius: float, path: Path) -> None:
+    """Write the picture of a run; radius: [m] of the disc that the robot needs."""
 
     def panel(plot: Plot) -> None:
-        floor, axes = Floor(world), plot.axes
+        floor, axes = Floor(world, radius), plot.axes
         (left, near), (right, far) = floor.low - AROUND, floor.high + AROUND
         axes.set(aspect="equal", xlabel="x [m]", ylabel="y [m]", xlim=(left, right), ylim=(near, far))
         axes.set_facecolor(palette.PIECES["lower"].colour)
@@ -33,7 +33,7 @@ def draw(outcome: Outcome, track: Sequence[Point], world: World, path: Path) -> 
         for kind, mark in palette.EVENTS.items():
             found = np.array([event[2:4] for event in outcome.events if event.kind == kind]).reshape(-1, 2)
             plot.dots(found, mark._replace(name=f"{mark.name}: {len(found)}"), 5.0)
-        axes.add_patch(Circle(track[-1][1:3], RADIUS, fill=False, lw=2, zorder=6.0))
+        axes.add_patch(Circle(track[-1][1:3], radius, fill=False, lw=2, zorder=6.0))
 
     told = f"{outcome.seconds:.0f} s, {outcome.visited:.0%} visited, {outcome.idle:.0f} s idle"
     write_sheet(path, f"{outcome.case.name}: {told}", [panel], 1, *SIZE)

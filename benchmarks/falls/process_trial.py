@@ -6,10 +6,11 @@ from contextlib import suppress
 from pathlib import Path
 from random import Random
 
+from benchmarks.falls.bases import ENCODER_NOISE, TURTLEBOT_2_SIZE
 from benchmarks.falls.cases import Case
 from benchmarks.falls.driver import Driver
 from benchmarks.falls.log import Log, Look, Outcome
-from benchmarks.falls.trial import COMMAND_PERIOD, ENCODER_NOISE
+from benchmarks.falls.trial import COMMAND_PERIOD
 from cliffscan.common.contract.base_messages import BaseState, Odometry, Rule, SafetyState
 from cliffscan.common.contract.messages import LaserScan
 from cliffscan.common.contract.topics import BASE_STATE, ODOMETRY, SAFETY, SCAN_FUSED
@@ -33,8 +34,9 @@ class ProcessTrial:
 
     def __init__(self, case: Case, stop: StopSignal) -> None:
         random = Random(case.name)
-        self.log = Log(case, World(case.world))
-        self._driver = Driver(tuple(self.log.floor.low), tuple(self.log.floor.high), case.speed, random)
+        self.log = Log(case, World(case.world), TURTLEBOT_2_SIZE)
+        floor = self.log.floor
+        self._driver = Driver(tuple(floor.low), tuple(floor.high), case.speed, random, TURTLEBOT_2_SIZE)
         self._rule: Rule = "no_base"
         self._speed = REST  # by the base's odometry: how much of a command is allowed is not told as often
         self._cliff = False  # since the last look

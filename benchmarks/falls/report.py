@@ -14,13 +14,14 @@ HEADINGS = ("mode", "speed [m/s]", "worlds", "minutes", "falls", "falls / 1000 m
             "stranded", "visited", "median", "worst", "held", "without cause", "faster than real time")  # fmt: skip
 KINDS: tuple[Kind, ...] = get_args(Kind)
 NOTES = """\
-falls: the robot tilted by more than 20 degrees or sank by 4 cm. cliff sensor: how often one fired, so that the base
-backed off by itself. bumps: how often something began to push the hull. stranded: a robot that stood in one place for a
-minute. A fallen or stranded robot's run is over.
+falls: the robot tilted by more than 20 degrees (differential_large: 10) or sank by 4 cm. cliff sensor: how often one
+fired, so that the base backed off by itself, or without one, a wheel or a caster had no floor below it. bumps: how
+often something began to push the hull. stranded: a robot that stood in one place for a minute. A fallen or stranded
+robot's run is over.
 
 visited: share of the reachable floor that the middle of the robot came within 30 cm of: all of it together, and the
 runs' median and worst. Reachable are, by the world's geometry on a raster of 5 cm, the places to which a disc of 18 cm
-radius can get from the start over floor and ramps.
+radius (differential_large: 25 cm, less than its turning circle) can get from the start over floor and ramps.
 
 held: share of the time in which the gate stopped a robot that was to drive. without cause: share of the time in which
 it did so although the disc had 8 cm to spare (the gate's margin and its cells) on the next 0.5 m of the arc asked for.

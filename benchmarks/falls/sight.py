@@ -5,10 +5,10 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from benchmarks.falls.bases import Size
 from cliffscan.common.contract.camera import Floats
 from cliffscan.common.contract.messages import LaserScan
 from cliffscan.safety.pose2d import Pose2D as Place
-from cliffscan.safety.scan_claims import View
 from cliffscan.simulator.world import Pose
 from evaluation.truth.beam_truth import Mask
 
@@ -16,18 +16,17 @@ SQUARE = 0.1  # [m] side of the squares that are told to be shut
 CELL = SQUARE / 2  # [m] side of the cells that bear marks
 REACH = 2.5  # [m] from the camera up to which a scan counts
 PAST = 0.1  # [m] by which a beam must look beyond the middle of a cell to see that nothing is there
-AROUND = 0.22  # [m] of a marked cell where the robot's middle cannot be; 0.60 m between two walls stay open
 ENOUGH, MOST = 2, 6  # scans by which a cell is marked, and that are remembered at the most
 
 
 class Sight:
     """Cells of a floor plan that begins at `low` [m] and has `shape` (rows, columns) squares."""
 
-    def __init__(self, low: tuple[float, float], shape: tuple[int, int]) -> None:
+    def __init__(self, low: tuple[float, float], shape: tuple[int, int], size: Size) -> None:
         self._low = np.array(low)[:, None]
         self._marks = np.zeros((2 * shape[0], 2 * shape[1]), dtype=np.int8)
-        view = View.undescribed()
-        self._mount, self._blind = view.camera, view.floor.nearest
+        self._mount, self._blind = size.view.camera, size.view.floor.nearest
+        self._around = size.around
         self._shut: Mask | None = None
 
     def see(self, pose: Pose, scan: LaserScan) -> None:
@@ -64,13 +63,13 @@ class Sight:
 
     def _too_near(self) -> Mask:
         """As `shut`: the middle of a square is where its four cells meet, so cells lie at odd halves around it."""
-        reach = math.ceil(AROUND / CELL)
+        reach = math.ceil(self._around / CELL)
         marked = np.pad(self._marks >= ENOUGH, reach)
         rows, columns = self._marks.shape
         shut = np.zeros((rows // 2, columns // 2), dtype=bool)
         for i in range(-reach, reach):
             for j in range(-reach, reach):
-                if math.hypot(i + 0.5, j + 0.5) * CELL <= AROUND:
+                if math.hypot(i + 0.5, j + 0.5) * CELL <= self._around:
                     row, column = reach + 1 + i, reach + 1 + j
                     shut |= marked[row : row + rows : 2, column : column + columns : 2]
         return shut

@@ -15,7 +15,8 @@ Coordinate = Annotated[float, limits.COORDINATE]
 Angle = Annotated[float, limits.HEADING]
 Pair = Annotated[tuple[float, float], ListAsTuple]
 Point = Annotated[tuple[Coordinate, Coordinate], ListAsTuple]
-Polygon = Annotated[tuple[Point, ...], ListAsTuple, Field(max_length=16)]  # convex
+MOST_CORNERS = 16  # of a polygon
+Polygon = Annotated[tuple[Point, ...], ListAsTuple, Field(max_length=MOST_CORNERS)]
 
 
 class Place(NamedTuple):
@@ -45,7 +46,7 @@ class CameraDescription(Part):
     roll: Angle | None = None  # [rad] it leans to its right
     noise: Annotated[float, Field(ge=0, le=1)] = KINECT_NOISE  # [1/m] standard deviation of its inverse depth
     baseline: Annotated[float, Field(ge=0, le=10)] = KINECT_BASELINE  # [m] between its two eyes
-    visible_floor: Polygon = ()  # [m] corners x, y of the floor in view, from the point below the camera
+    visible_floor: Polygon = ()  # [m] corners x, y of the floor in view, convex, from the point below the camera
 
     @classmethod
     def of(
@@ -82,10 +83,11 @@ class CameraDescription(Part):
 
 
 class BodyDescription(Part):
-    """What moves: a disc around the middle between the wheels."""
+    """What moves: a disc around the middle between the wheels, or the polygon of the footprint in it."""
 
     simulated: bool  # whether its port leads to an emulated base
     radius: Metres  # [m]
+    footprint: Polygon = ()  # [m] corners x, y, in order, convex or not
     height: Metres | None = None  # [m] what is higher the robot passes under
 
 

@@ -29,6 +29,7 @@ from cliffscan.common.contract.topics import (
     STATUS,
     TOPICS,
     VELOCITY,
+    VELOCITY_SAFE,
     Topic,
     scan,
 )
@@ -93,10 +94,23 @@ ROLES: tuple[Role, ...] = (
     _service(
         "kobuki", "base and gate", (*BASE, IMU, DESCRIPTION), (VELOCITY, SCAN_FUSED, DESCRIPTION), answers=ANY_COMMAND
     ),
+    _service(
+        "gate",
+        "the gate for a base of any make",
+        (VELOCITY_SAFE, SAFETY, DESCRIPTION),
+        (VELOCITY, ODOMETRY, BASE_STATE, SCAN_FUSED, DESCRIPTION),
+        answers=ANY_COMMAND,
+    ),
+    Role(
+        "base",
+        "the driver of a base of any make",
+        (ODOMETRY, BASE_STATE, IMU),
+        (VELOCITY_SAFE, SAFETY),
+    ),
     Role(
         "ros2",
         "ROS 2",
-        (VELOCITY,),
+        (VELOCITY, ODOMETRY),
         TOPICS,
         services=("ros2",),
         asks=("stop", "clear_safety"),

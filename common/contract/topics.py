@@ -58,7 +58,7 @@ DESCRIPTION = Topic(
     RobotDescription,
     "once, on change, and to whoever asks",
     Qos.STATUS,
-    "capture: `camera`; kobuki: `body`",
+    "capture: `camera`; kobuki or gate: `body`",
     latched=True,
 )
 SCAN_POSITIVE = Topic("scan/positive", LaserScan, "per frame", Qos.REAL_TIME, "positive")
@@ -85,14 +85,14 @@ SCAN_SAFE = Topic(
     "fuse, while it has subscribers: `scan/fused` for whatever reads `ranges` alone",
 )
 SCAN = Topic("scan/<name>", LaserScan, "any", Qos.REAL_TIME, "any other sensor, an extra input of fuse")
-ODOMETRY = Topic("base/odom", Odometry, "50 Hz", Qos.REAL_TIME, "kobuki")
-BASE_STATE = Topic("base/state", BaseState, "50 Hz", Qos.REAL_TIME, "kobuki")
+ODOMETRY = Topic("base/odom", Odometry, "50 Hz", Qos.REAL_TIME, "kobuki, or the driver of a base of any make")
+BASE_STATE = Topic(
+    "base/state", BaseState, "50 Hz", Qos.REAL_TIME, "kobuki, or the driver of a base of any make with contacts"
+)
 IMU = Topic("base/imu", Imu, "per base packet", Qos.REAL_TIME, "kobuki")
 VELOCITY = Topic("base/cmd_vel", Velocity, "any", Qos.REAL_TIME, "whatever drives")
-VELOCITY_SAFE = Topic(
-    "base/cmd_vel_safe", Velocity, "per decision", Qos.REAL_TIME, "a gate for a base that is not driven from here"
-)
-SAFETY = Topic("base/safety", SafetyState, "on change and 1 Hz", Qos.REAL_TIME, "kobuki")
+VELOCITY_SAFE = Topic("base/cmd_vel_safe", Velocity, "per decision", Qos.REAL_TIME, "gate, for a base of any make")
+SAFETY = Topic("base/safety", SafetyState, "on change and 1 Hz", Qos.REAL_TIME, "kobuki or gate")
 MAP = Topic("map", OccupancyGrid, "1 Hz at most", Qos.BULK, "a SLAM plug-in")
 MAP_OF_PLUGIN = Topic("map/<name>", OccupancyGrid, "1 Hz at most", Qos.BULK, "one of several SLAM plug-ins")
 POSE = Topic("pose", Pose2D, "per scan", Qos.REAL_TIME, "a SLAM plug-in")

@@ -14,7 +14,8 @@ from cliffscan.common.runtime.settings import settings
 from cliffscan.common.runtime.suggest import suggest
 
 SENSING = ("capture", "negative", "positive", "fuse")
-SERVICES = (*SENSING, "kobuki")  # of a TurtleBot 2
+BASES = ("kobuki", "gate")  # one of them guards the base: of a TurtleBot 2, or of any make
+SERVICES = (*SENSING, BASES[0])  # of a TurtleBot 2
 FOLDERS = sorted(file.parent.name for file in (Path(__file__).parents[2] / "services").glob("*/config.py"))
 CONFIGURED = (*SERVICES, *(name for name in FOLDERS if name not in SERVICES))  # every service that has settings
 SHARED = {"scan": ("negative", "positive")}  # tables that several services read: what these must agree on

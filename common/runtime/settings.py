@@ -32,9 +32,10 @@ class Setting(NamedTuple):
     def allowed(self) -> str:
         """Which values are taken, as `above 0, at most 20`; empty where any of the type is."""
         choices = ", ".join(f'"{each}"' for each in _choices(self.field.annotation))
-        quantity = "any" if get_origin(self.field.annotation) is tuple else "one"
+        several = get_origin(self.field.annotation) is tuple
+        quantity = "any" if several else "one"
         words = [f"{quantity} of {choices}"] if choices else []
-        words += [_bound(each) for each in self.field.metadata if isinstance(each, BaseMetadata)]
+        words += [_bound(each, several) for each in self.field.metadata if isinstance(each, BaseMetadata)]
         return ", ".join(filter(None, words))
 
     def comment(self) -> str:
@@ -57,7 +58,7 @@ def _choices(annotation: object) -> Iterator[str]:
             yield from _choices(part)
 
 
-def _bound(limit: BaseMetadata) -> str:
+def _bound(limit: BaseMetadata, several: bool) -> str:
     match limit:
         case Gt(gt=least):
             return f"above {least:g}"
@@ -70,5 +71,5 @@ def _bound(limit: BaseMetadata) -> str:
         case MinLen(min_length=least):
             return f"at least {least} of them"
         case MaxLen(max_length=most):
-            return f"at most {most} characters"
+            return f"at most {most} of them" if several else f"at most {most} characters"
     return ""

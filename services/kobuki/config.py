@@ -4,7 +4,7 @@ from typing import Any
 
 from pydantic import model_validator
 
-from cliffscan.safety.config import GateConfig
+from cliffscan.safety.config import SafetyConfig
 
 DESCRIBED = {  # settings that are known from the camera's description
     "camera_x": "set capture.x instead",
@@ -14,7 +14,7 @@ DESCRIBED = {  # settings that are known from the camera's description
 }
 
 
-class KobukiConfig(GateConfig):
+class KobukiConfig(SafetyConfig):
     """The port, how fast the robot may be, and what keeps it safe."""
 
     port: str = "/dev/kobuki"

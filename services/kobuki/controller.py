@@ -11,14 +11,14 @@ from typing import NamedTuple
 from cliffscan.common.contract.base_messages import SafetyState, Velocity
 from cliffscan.common.contract.description import CameraDescription
 from cliffscan.common.contract.messages import LaserScan
-from cliffscan.safety.inputs import REST
+from cliffscan.common.runtime.command_handlers import Answer, Reply, done, failed
+from cliffscan.safety.inputs import REST, BaseReport, Motion
 from cliffscan.safety.message_gate import MessageGate, Warn
-from cliffscan.safety.odometry_monitor import OdometryMonitor
 from cliffscan.safety.pose2d import Pose2D
 from cliffscan.safety.rules import Decision
-from cliffscan.services.kobuki.command_handlers import Answer, GainsHandler, Reply, done, failed
 from cliffscan.services.kobuki.config import KobukiConfig
 from cliffscan.services.kobuki.contacts import contacts
+from cliffscan.services.kobuki.gains import GainsHandler
 from cliffscan.services.kobuki.kinematics import METRES_PER_TICK, WHEEL_SEPARATION
 from cliffscan.services.kobuki.odometry import Estimate, Odometry
 from cliffscan.services.kobuki.peripherals import Peripherals
@@ -30,9 +30,7 @@ from cliffscan.services.kobuki.protocol.packets import Feedback, decode
 from cliffscan.services.kobuki.protocol.sensors import Core
 from cliffscan.services.kobuki.protocol.versions import has_gains
 
-TICK = 0.03  # [s] between decisions when the base is silent; it is not while it sends its packet every 0.02 s
-SILENT = 0.2  # [s] in which the base's clock stood still
-BOTH_SIMULATED = "the camera is simulated and the base is real: set capture.source to the camera on the robot"
+STANDS_STILL = "the base's clock stands still"
 
 
 class Report(NamedTuple):
@@ -58,22 +56,17 @@ class BaseController:
         self._warn = warn
         self._odometry = Odometry()  # for the world, which may reset it
         self._origin = Pose2D(0.0, 0.0, 0.0)  # where it was reset, in the gate's frame, which never jumps
-        self._gate = MessageGate(config.limits(), warn)
-        self._monitor = OdometryMonitor(WHEEL_SEPARATION)
+        self._gate = MessageGate(config.limits(), WHEEL_SEPARATION, warn)
         self._outputs: list[Output] = []
         self._peripherals, self._gains = Peripherals(self._send), GainsHandler(self._send)
-        self._camera: CameraDescription | None = None
-        self._decided_at = -math.inf
         self.connected = self.simulated = False
         self._begin(-math.inf)
 
     def _begin(self, now: float) -> None:
         """Know nothing of the base."""
         self._parser, self._handshake = FrameParser(), Handshake()
-        self._monitor.begin()
-        self._catching_up = False  # with what the base sent while nobody read it
-        self._read: tuple[Core, float, float, float, float] | None = None  # core, clock, left, right, gyro unwrapped
-        self.alive_at = now  # [s] when the base's clock last went on
+        self._gate.begin(now)
+        self._read: tuple[Core, Motion] | None = None
 
     # ---- the line
 
@@ -96,7 +89,12 @@ class BaseController:
 
     def caught_up(self) -> None:
         """All that the base sent has been read."""
-        self._catching_up = False
+        self._gate.caught_up()
+
+    @property
+    def alive_at(self) -> float:
+        """[s] when the base's clock last went on."""
+        return self._gate.alive_at
 
     @property
     def accepted(self) -> bool:
@@ -106,10 +104,7 @@ class BaseController:
     @property
     def refused(self) -> str:
         """Why nothing may be driven although the base is there, or nothing."""
-        if self._handshake.refused:
-            return self._handshake.refused
-        simulated = self._camera is not None and self._camera.simulated
-        return BOTH_SIMULATED if simulated and self.connected and not self.simulated else ""
+        return self._handshake.refused or (self._gate.mismatch(self.simulated) if self.connected else "")
 
     @property
     def decision(self) -> Decision:
@@ -139,7 +134,6 @@ class BaseController:
 
     def describe(self, camera: CameraDescription) -> None:
         """What the camera sees, and where it stands."""
-        self._camera = camera
         self._gate.describe(camera)
 
     def stop(self, now: float) -> None:
@@ -149,24 +143,21 @@ class BaseController:
 
     def tick(self, now: float) -> None:
         """Time passes: notice a silent base, ask what it has not answered, decide where no packet asks for it."""
-        if now - self.alive_at > SILENT:
-            self._gate.lose_base("the base's clock stands still" if self.connected and self._read else "")
+        self._gate.notice_silence(now, STANDS_STILL if self.connected else "")
         if self._parser.counts.good and (request := self._handshake.request(now)):
             self._outputs.append(Output(request))
-        if now - self._decided_at >= TICK:
+        if self._gate.due(now):
             self.decide(now)
 
     # ---- what is decided
 
     def decide(self, now: float) -> Decision:
         """Ask the gate, and command the wheels."""
-        self._decided_at = now
         was_moving = self.decision.allowed != REST
-        decision = self._gate.decide(now, self.refused)
+        decision = self._gate.decide(now, self.refused, driven=self.accepted)
         if self.accepted:
             allowed = decision.allowed
             self._outputs.append(Output(commands.base_control(*allowed), stop=was_moving and allowed == REST))
-            self._monitor.send(*allowed, now)
         return decision
 
     def safety_state(self, stamp: int, now: float) -> SafetyState:
@@ -189,7 +180,6 @@ class BaseController:
 
     def _clear(self, _: Answer) -> Answer:
         self._gate.clear()
-        self._monitor.begin()
         return done("cleared")
 
     def _reset(self, _: Answer) -> Answer:
@@ -220,19 +210,11 @@ class BaseController:
         core = feedback.core
         if core is None or not self._handshake.accepted or self._is_repeated(core):
             return None
-        self.alive_at = now
         estimate = self._odometry.update(core, feedback.inertia, now)
         pose = self._origin.then(Pose2D(*estimate.pose))
-        if estimate.new_baseline:
-            self._warn("baseline", estimate.new_baseline)
-            self._catching_up = True
-        if self._catching_up:  # what is read late is of where the robot was; it begins anew where it is
-            self._gate.restart(pose)
-            self._monitor.begin()
-        if estimate.contradiction:
-            self._gate.doubt(f"the odometry contradicts itself: {estimate.new_baseline}", now)
-        self._gate.sense(contacts(core), pose, stamp)
-        self._watch_wheels(feedback, core, now)
+        baseline = estimate.new_baseline or ""
+        motion = self._motion(feedback, core, begins=bool(baseline) or self._gate.catching_up)
+        self._gate.report(BaseReport(contacts(core), pose, motion, baseline, estimate.contradiction), stamp, now)
         self.decide(now)
         return Report(feedback, core, estimate, stamp)
 
@@ -240,25 +222,22 @@ class BaseController:
         """Whether the base's clock has not gone on: then nothing in the packet is new."""
         return self._read is not None and core.timestamp == self._read[0].timestamp
 
-    def _watch_wheels(self, feedback: Feedback, core: Core, now: float) -> None:
-        angle = feedback.inertia.angle if feedback.inertia else math.nan
-        if self._read is None or self._catching_up:
-            self._read = (core, 0.0, 0.0, 0.0, angle)
-            return
-        before, clock, left, right, gyro = self._read
+    def _motion(self, feedback: Feedback, core: Core, begins: bool) -> Motion | None:
+        """How far the base has gone since it began to report in time; None where it begins with this packet."""
+        angle = feedback.inertia.angle if feedback.inertia else None
+        if self._read is None or begins:
+            self._read = (core, Motion(0.0, 0.0, 0.0, angle))
+            return None
+        before, (clock, left, right, gyro) = self._read
         clock += ((core.timestamp - before.timestamp) & 0xFFFF) / 1000.0
         left += _ticks(before.left_encoder, core.left_encoder) * METRES_PER_TICK
         right += _ticks(before.right_encoder, core.right_encoder) * METRES_PER_TICK
-        if math.isnan(gyro):
+        if gyro is None:
             gyro = angle
-        elif feedback.inertia:
+        elif angle is not None:
             gyro += math.remainder(angle - gyro, math.tau)
-        self._read = (core, clock, left, right, gyro)
-        self._monitor.read(clock, left, right, None if math.isnan(gyro) else gyro)
-        if stuck := self._monitor.stuck(now):
-            self._gate.distrust(stuck)
-        if wrong := self._monitor.contradicted() or self._monitor.runaway(now):
-            self._gate.doubt(wrong, now)
+        self._read = (core, Motion(clock, left, right, gyro))
+        return self._read[1]
 
 
 def _ticks(before: int, after: int) -> int:

@@ -9,19 +9,20 @@ import time
 
 from cliffscan.common.contract import topics
 from cliffscan.common.contract.base_messages import Velocity
-from cliffscan.common.contract.description import BodyDescription, RobotDescription
+from cliffscan.common.contract.description import RobotDescription
 from cliffscan.common.contract.messages import LaserScan
+from cliffscan.common.runtime.command_handlers import Answer, CommandHandler, done, unknown_command
 from cliffscan.common.runtime.service import Service
-from cliffscan.services.kobuki.command_handlers import Answer, CommandHandler, done, unknown_command
+from cliffscan.common.runtime.wakeable_queue import Job, WakeableQueue
+from cliffscan.safety.message_gate import TICK
+from cliffscan.safety.safety_reports import SafetyReports
 from cliffscan.services.kobuki.config import KobukiConfig
-from cliffscan.services.kobuki.controller import TICK, BaseController
+from cliffscan.services.kobuki.controller import BaseController
 from cliffscan.services.kobuki.port import Port, PortLost
 from cliffscan.services.kobuki.protocol import commands
 from cliffscan.services.kobuki.publishers import BasePublishers
-from cliffscan.services.kobuki.wakeable_queue import Job, WakeableQueue
 
 BEAT = 0.05  # [s] between two heartbeats for the guard
-REPORT = 1.0  # [s] between two reports of an unchanged rule
 SILENCE = 1.0  # [s] of a silent base after which the service cannot do its work
 BACK_OFF = (0.5, 8.0)  # [s] before the first and, doubled each time, before a later attempt to open the port
 
@@ -36,8 +37,8 @@ class IoLoop:
         self._port: Port | None = None
         self._delay, self._retry_at = BACK_OFF[0], -math.inf
         self._controller = BaseController(service.config, service.metrics.warn_limited)
-        self._reported_at = self._beaten_at = -math.inf
-        self._reported: tuple[object, ...] = ()
+        self._beaten_at = -math.inf
+        self._reports = SafetyReports()
         self._publishers = BasePublishers(service)
         self._safety = service.publisher(topics.SAFETY)
         self._describe = service.bus.latch(topics.DESCRIPTION)
@@ -86,9 +87,7 @@ class IoLoop:
         self._port = Port(self._config.port)
         self._controller.connect(self._port.emulated, now)
         self._publishers.begin()
-        config = self._config
-        body = BodyDescription(simulated=self._port.emulated, radius=config.robot_radius, height=config.robot_height)
-        self._describe(RobotDescription(stamp=time.time_ns(), body=body))
+        self._describe(RobotDescription(stamp=time.time_ns(), body=self._config.body(self._port.emulated)))
 
     def _lose(self, why: str) -> None:
         port, self._port = self._port, None
@@ -167,10 +166,7 @@ class IoLoop:
     def _report(self, now: float) -> None:
         """Publish which rule holds, when that changes and once a second."""
         state = self._controller.safety_state(time.time_ns(), now)
-        words = "".join(each for each in state.note if not each.isdigit())  # a distance that changes is nothing new
-        new = (state.rule, state.latched, words)
-        if new != self._reported or now - self._reported_at >= REPORT:
-            self._reported, self._reported_at = new, now
+        if self._reports.due(state, now):
             self._safety.put(state)
 
     # ---- what is asked for

@@ -14,16 +14,10 @@ drives a silent base. These are deliberately careful figures, not measured ones.
 import math
 from typing import NamedTuple
 
+from cliffscan.safety.base_clock import ClockLead, Contradiction, Discontinuity
 from cliffscan.services.kobuki.covariance import Covariance
 from cliffscan.services.kobuki.kinematics import METRES_PER_TICK, WHEEL_SEPARATION
-from cliffscan.services.kobuki.odometry_increment import (
-    ClockLead,
-    Contradiction,
-    Discontinuity,
-    OdometryIncrement,
-    Reading,
-    increment_between,
-)
+from cliffscan.services.kobuki.odometry_increment import OdometryIncrement, Reading, increment_between
 from cliffscan.services.kobuki.protocol.packets import CENTIDEGREE
 from cliffscan.services.kobuki.protocol.sensors import Core, Inertia
 

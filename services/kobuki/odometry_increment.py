@@ -3,52 +3,12 @@
 import math
 from typing import NamedTuple, Self
 
+from cliffscan.safety.base_clock import LONGEST_INCREMENT, LONGEST_SILENCE, SLACK, Contradiction, Discontinuity
 from cliffscan.services.kobuki.kinematics import METRES_PER_TICK, WHEEL_SEPARATION
 from cliffscan.services.kobuki.protocol.sensors import Core, Inertia
 
-LONGEST_INCREMENT = 0.5  # [s] of the base's clock; the path driven in more is anybody's guess
-LONGEST_SILENCE = 1.0  # [s] of our clock; in more, packets were lost: 4 KiB of them fill the port's buffer
 FASTEST_WHEEL = 1.5  # [m/s], twice what the base can do
 FASTEST_TURN = 5.0  # [rad/s], more than the gyro can measure
-LEAD = 0.1  # [s] by which the base's clock may lead before anything was late: its 16-bit stamps and our wake-ups jitter
-BACKLOG = 0.5  # [s] after which a third is left of what a late packet saved up: it comes soon or not at all
-DRIFT = 0.05  # of a lead that is forgiven each second, so that jitter does not add up
-SLACK = 0.02  # [s] by which the sensors' own times may differ from the packets'
-
-
-class Discontinuity(ValueError):
-    """Two readings do not belong to one motion; the text says why."""
-
-
-class Contradiction(Discontinuity):
-    """Two readings that no base can give one after the other, however late they come: one of them is wrong."""
-
-
-class ClockLead:
-    """How far the base's clock may run ahead of ours: as far as packets came late before, and a little.
-
-    Packets come late, never early. So time of the base that passes faster than ours was saved up while ours passed
-    alone, in a packet that was late or in a backlog that is read at once. A lead that was not saved up is a lie, and
-    with it any speed that is taken from that clock.
-    """
-
-    def __init__(self) -> None:
-        self._saved = 0.0  # [s], negative where the base's clock leads
-
-    def interrupted(self) -> None:
-        """Nobody listened for a while: as much as a port's buffer holds may be read at once."""
-        self._saved = LONGEST_SILENCE
-
-    def passed(self, seconds: float, ours: float) -> None:
-        """So much [s] passed by the base's clock and by ours. Raises Contradiction."""
-        if self._saved > 0.0:
-            self._saved *= math.exp(-ours / BACKLOG)
-        else:
-            self._saved = min(self._saved + DRIFT * ours, 0.0)
-        self._saved = min(self._saved + ours - seconds, LONGEST_SILENCE)
-        if self._saved < -LEAD:
-            self._saved = 0.0
-            raise Contradiction(f"the base's clock went on by {seconds:.3f} s within {ours:.3f} s of ours")
 
 
 class Reading(NamedTuple):

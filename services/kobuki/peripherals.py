@@ -5,7 +5,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from cliffscan.services.kobuki.command_handlers import Answer, Request, done
+from cliffscan.common.runtime.command_handlers import Answer, Request, done
 from cliffscan.services.kobuki.protocol import commands
 from cliffscan.services.kobuki.protocol.commands import LedColour, Outputs, SoundSequence, Supply
 

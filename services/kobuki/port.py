@@ -11,6 +11,7 @@ from pathlib import Path
 
 import serial
 
+from cliffscan.common.runtime.command_handlers import CannotDo
 from cliffscan.services.kobuki import guard
 from cliffscan.services.kobuki.protocol.commands import base_control
 
@@ -27,7 +28,7 @@ REMEDIES = {
 }
 
 
-class PortLost(Exception):
+class PortLost(CannotDo):
     """The port cannot be had, or has gone; one line with the remedy."""
 
 

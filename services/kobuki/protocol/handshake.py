@@ -3,7 +3,7 @@
 import logging
 import math
 
-from cliffscan.services.kobuki.command_handlers import Answer, done, failed
+from cliffscan.common.runtime.command_handlers import Answer, done, failed
 from cliffscan.services.kobuki.protocol import commands
 from cliffscan.services.kobuki.protocol.packets import Feedback
 from cliffscan.services.kobuki.protocol.sensors import Udid

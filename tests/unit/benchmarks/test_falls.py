@@ -6,6 +6,7 @@ from random import Random
 import numpy as np
 import pytest
 
+from benchmarks.falls.bases import TURTLEBOT_2_SIZE
 from benchmarks.falls.cases import Case, all_cases, length
 from benchmarks.falls.driver import BACK, BACKWARD, STUCK, Driver
 from benchmarks.falls.floor import NEAR, Floor, arc
@@ -51,6 +52,15 @@ def test_a_run_is_the_same_again(mode):
     assert math.hypot(first.robot.pose.x, first.robot.pose.y) > 0.1
 
 
+def test_a_robot_of_another_make_is_kept_from_falling_by_the_gate_for_any_base():
+    """The hull of 0.70 m x 0.50 m goes somewhere, and nothing happens to it."""
+    trial = Trial(Case("default", 0.35, HOLE, "differential_large"))
+    outcome = trial.run(8.0)
+    assert outcome.events == ()
+    assert math.hypot(trial.robot.pose.x, trial.robot.pose.y) > 0.1
+    assert {point.rule for point in trial.log.track} & {"free", "limit"}
+
+
 def test_another_seed_is_another_run():
     one, other = (Trial(Case("positive", 0.35, seed)) for seed in (3, 4))
     one.run(2.0)
@@ -84,7 +94,7 @@ def test_arc_is_the_one_that_is_driven():
 
 
 def test_memory_finds_ways_round_what_was_shut():
-    memory = Memory((0.0, 0.0), (3.0, 3.0))
+    memory = Memory((0.0, 0.0), (3.0, 3.0), TURTLEBOT_2_SIZE)
     for y in np.arange(0.0, 2.5, 0.1):
         memory.shut(1.3, y, 0.0)
     assert not memory.straight((1.0, 1.0), (2.0, 1.0))
@@ -113,7 +123,7 @@ def ranges_to_line(distance, beams=241):
 
 def looked(*scans, times=1, pose=LOOKING):
     """What is remembered of 3 m x 3 m after these ranges [m] were each seen that often, one after the other."""
-    memory = Memory((0.0, 0.0), (3.0, 3.0))
+    memory = Memory((0.0, 0.0), (3.0, 3.0), TURTLEBOT_2_SIZE)
     for scan in scans:
         for _ in range(times):
             memory.see(pose, scan_of(scan))
@@ -171,7 +181,7 @@ def test_where_the_robot_stands_and_stood_is_open():
 
 
 def test_a_driver_that_does_not_get_away_backs_off_for_a_while():
-    driver = Driver((-3.0, -3.0), (3.0, 3.0), 0.3, Random(1))
+    driver = Driver((-3.0, -3.0), (3.0, 3.0), 0.3, Random(1), TURTLEBOT_2_SIZE)
     free = Decision("free", REST, REST)
     asked = [driver.command(Pose(), free, 0.1 * tick) for tick in range(80)]
     backing = [0.1 * tick for tick, twist in enumerate(asked) if twist == BACKWARD]
@@ -180,8 +190,10 @@ def test_a_driver_that_does_not_get_away_backs_off_for_a_while():
 
 
 def test_cases_share_the_time_and_the_worlds():
-    cases = all_cases(("default", "paper"), (0.2, 0.4), 6, 10)
+    cases = all_cases(("default", "paper"), (0.2, 0.4), 6, 10, "turtlebot2")
     assert [case.name for case in cases[:3]] == ["default:0.2:10", "paper:0.2:10", "default:0.4:11"]
     metres = length(30.0, 6, (0.2, 0.4))
     assert sum(metres / case.speed for case in cases if case.mode == "paper") == pytest.approx(1800.0)
     assert Case.parse("paper:0.2:10") == cases[1]
+    other = Case("default", 0.2, 3, "differential_large")
+    assert Case.parse(other.name) == other

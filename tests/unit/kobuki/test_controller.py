@@ -8,8 +8,9 @@ import pytest
 
 from cliffscan.common.contract.base_messages import Velocity
 from cliffscan.common.contract.description import CameraDescription
+from cliffscan.safety.message_gate import SILENT
 from cliffscan.services.kobuki.config import KobukiConfig
-from cliffscan.services.kobuki.controller import SILENT, BaseController
+from cliffscan.services.kobuki.controller import BaseController
 from cliffscan.services.kobuki.protocol.commands import base_control
 from cliffscan.simulator.kobuki.firmware import Firmware
 from cliffscan.simulator.kobuki.kinematics import Wheels

@@ -6,8 +6,9 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
+from cliffscan.safety.base_clock import Discontinuity
 from cliffscan.services.kobuki.kinematics import METRES_PER_TICK
-from cliffscan.services.kobuki.odometry_increment import Discontinuity, Reading, increment_between
+from cliffscan.services.kobuki.odometry_increment import Reading, increment_between
 from cliffscan.services.kobuki.protocol.packets import decode
 from tests.kobuki_stream import core, inertia
 

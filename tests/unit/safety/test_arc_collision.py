@@ -95,7 +95,7 @@ def test_safe_speed_is_the_inverse_of_the_stopping_distance(distance, decelerati
 
 
 def test_a_speed_lasts_for_the_delay_and_then_as_long_as_braking_takes():
-    pending = PendingMotion(0.25, 0.6)
+    pending = PendingMotion(0.25, 0.6, 2.6)
     pending.send(0.6, 0.0, 1.0)
     for tick in range(1, 100):
         now = 1.0 + 0.02 * tick
@@ -108,13 +108,13 @@ def test_a_speed_lasts_for_the_delay_and_then_as_long_as_braking_takes():
 
 
 def test_the_last_velocity_lasts_until_another_is_sent():
-    pending = PendingMotion(0.25, 0.6)
+    pending = PendingMotion(0.25, 0.6, 2.6)
     pending.send(-0.3, 0.0, 1.0)
     assert pending.speed(-1, 50.0) == 0.3
 
 
 def test_a_steady_arc_is_one_arc_and_a_swerve_is_a_fan():
-    pending = PendingMotion(0.25, 0.6)
+    pending = PendingMotion(0.25, 0.6, 2.6)
     pending.send(0.5, 0.5, 1.0)
     assert pending.curvatures(1, 0.4, 0.4, 1.02) == [1.0]
     swerve = pending.curvatures(1, 0.5, -0.5, 1.02)

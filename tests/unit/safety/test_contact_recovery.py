@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from cliffscan.safety.contact_recovery import AWAY, BACK, LONGEST, ContactRecovery, touched
+from cliffscan.safety.hull import Disc
 from cliffscan.safety.pose2d import Pose2D
 from tests.gate_drive import contacts
 
@@ -112,6 +113,6 @@ def test_clear_forgets():
 @pytest.mark.parametrize(("bits", "bearing"), [(4, 50), (2, 0), (1, -50)])
 def test_what_was_touched_is_on_the_rim_where_the_sensor_is(bits, bearing):
     hit = ContactRecovery().update(contacts(bumper=bits), START).hit
-    x, y = START.from_world(touched(hit, START, 0.18))
+    x, y = START.from_world(touched(hit, START, Disc(0.18)))
     assert np.hypot(x, y) == pytest.approx(0.18)
     assert math.degrees(math.atan2(y[2], x[2])) == pytest.approx(bearing)

@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from cliffscan.safety.hull import Disc
 from cliffscan.safety.local_grid import CELL, HALF_CELL, LOOK, MEMORY, RollingGrid
 from cliffscan.safety.pose2d import Pose2D
 from cliffscan.safety.visible_floor import EVERYWHERE, VisibleFloor
@@ -104,7 +105,7 @@ def test_the_first_of_a_scan_is_marked_up_to_where_memory_ends():
     for far in (0.6, 1.2, 2.0, MEMORY - 0.1):
         grid = RollingGrid(HERE, 0.5)
         see(grid, np.where(np.arange(640) == 320, far, np.inf))
-        grid.follow(Pose2D(far - 1.0, 0.0, 0.0), RADIUS)
+        grid.follow(Pose2D(far - 1.0, 0.0, 0.0), Disc(RADIUS))
         assert occupied(grid, Pose2D(far - 1.0, 0.0, 0.0))[0] == pytest.approx(1.0, abs=HALF_CELL + CELL)
 
 
@@ -114,7 +115,7 @@ def test_an_edge_that_leaves_the_view_stays(ranges):
     see(grid, 1.0)
     for millimetres in range(0, 1000, 10):
         pose = Pose2D(millimetres / 1000, 0.0, 0.0)
-        grid.follow(pose, RADIUS)
+        grid.follow(pose, Disc(RADIUS))
         distance = 1.0 - pose.x
         see(grid, distance if distance >= BLIND else ranges, pose)
         assert occupied(grid, pose)[0] <= abs(distance) + CELL
@@ -145,8 +146,8 @@ def test_it_is_forgotten_3_m_away_and_not_before():
             see(grid, np.where(np.arange(640) == 320, 1.0, np.inf))
             out = Pose2D(1.0 + way.x * far if way.x else 1.0, way.y * far, 0.0)
             for share in np.linspace(0, 1, 400):
-                grid.follow(Pose2D(share * out.x, share * out.y, 0.0), RADIUS)
-            grid.follow(HERE, RADIUS)
+                grid.follow(Pose2D(share * out.x, share * out.y, 0.0), Disc(RADIUS))
+            grid.follow(HERE, Disc(RADIUS))
             assert bool(occupied(grid).size) == stays
 
 
@@ -157,7 +158,7 @@ def test_wandering_far_in_any_direction_it_is_the_same_as_a_dictionary(legs, len
     for dx, dy in legs:
         for _ in range(15):
             x, y = x + dx * length / 15, y + dy * length / 15
-            grid.follow(Pose2D(x, y, 0.0), 0.0)
+            grid.follow(Pose2D(x, y, 0.0), Disc(0.0))
             centre = (math.floor(x / CELL), math.floor(y / CELL))
             half = round(MEMORY / CELL)
             known = {k: v for k, v in known.items() if all(-half <= k[i] - centre[i] < half for i in (0, 1))}
@@ -174,7 +175,7 @@ def test_only_the_disc_itself_is_taken_for_floor():
     """Else the robot would free the cells in front of it by coming near, and creep on and on."""
     grid = RollingGrid(HERE, 0.0)
     for dx in np.linspace(0, CELL, 9):
-        grid.follow(Pose2D(dx, dx / 2, 0.0), RADIUS)
+        grid.follow(Pose2D(dx, dx / 2, 0.0), Disc(RADIUS))
     x, y = grid.not_free(Pose2D(CELL, CELL / 2, 0.0), 0.5, unknown_too=True)
     swept = np.min([np.hypot(x + CELL * (1 - s), y + CELL / 2 * (1 - s)) for s in np.linspace(0, 1, 9)], axis=0)
     assert swept.min() >= RADIUS - 1e-9
@@ -186,7 +187,7 @@ def test_a_touch_is_undone_by_no_scan_but_forgiven():
     see(grid, np.inf)
     grid.touch(np.array([[1.0], [0.0]]))
     see(grid, np.inf)
-    grid.follow(Pose2D(0.9, 0.0, 0.0), RADIUS)
+    grid.follow(Pose2D(0.9, 0.0, 0.0), Disc(RADIUS))
     assert occupied(grid).size == 1
     grid.forgive()
     assert not occupied(grid).size
@@ -206,8 +207,8 @@ def test_to_forgive_a_touch_is_not_to_forget_what_was_seen_there():
 def test_a_touch_is_left_behind():
     grid = RollingGrid(HERE, 0.5)
     grid.touch(np.array([[0.2], [0.0]]))
-    grid.follow(Pose2D(3.3, 0.0, 0.0), RADIUS)
-    grid.follow(HERE, RADIUS)
+    grid.follow(Pose2D(3.3, 0.0, 0.0), Disc(RADIUS))
+    grid.follow(HERE, Disc(RADIUS))
     assert not occupied(grid).size
 
 

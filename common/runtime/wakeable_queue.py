@@ -1,14 +1,20 @@
-"""What is to be done: put in by any thread, and done by one that waits for the base at the same time."""
+"""What is to be done: put in by any thread, and done by one that may wait for a port at the same time."""
 
 import os
 import select
 from collections import deque
 from collections.abc import Callable
-
-from cliffscan.services.kobuki.port import Port
+from typing import Protocol
 
 Job = Callable[[], None]
 ROOM = 64  # jobs that may wait, of each kind
+
+
+class Port(Protocol):
+    """What can be waited for beside the jobs."""
+
+    def fileno(self) -> int:
+        """The descriptor that becomes readable."""
 
 
 class WakeableQueue:
@@ -45,7 +51,7 @@ class WakeableQueue:
         return had_room
 
     def wait(self, port: Port | None, timeout: float) -> bool:
-        """Wait for a job or the base, `timeout` [s] at most; whether the port can be read, or is gone."""
+        """Wait for a job or the port, `timeout` [s] at most; whether the port can be read, or is gone."""
         waiting = self._urgent or self._newest or self._others
         sources: list[int | Port] = [self._bell, port] if port else [self._bell]
         ready, _, _ = select.select(sources, [], [], 0.0 if waiting else timeout)

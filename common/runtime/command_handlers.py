@@ -10,9 +10,6 @@ from typing import Any
 from pydantic import BaseModel, ConfigDict, ValidationError
 
 from cliffscan.common.contract.message import explain
-from cliffscan.services.kobuki.port import PortLost
-from cliffscan.services.kobuki.protocol import commands
-from cliffscan.services.kobuki.protocol.sensors import Gains, GainSet
 
 Answer = dict[str, Any]
 Reply = Callable[[Answer], Answer | Future[Answer]]  # a later answer is a future
@@ -25,24 +22,8 @@ class Request(BaseModel):
     model_config = ConfigDict(strict=True, frozen=True, extra="ignore", allow_inf_nan=False)
 
 
-class GainsRequest(Request):
-    """Nothing to ask for the gains; `factory`, or `p`, `i` and `d`, to set them."""
-
-    factory: bool = False
-    p: float | None = None
-    i: float | None = None
-    d: float | None = None
-
-    def gains(self) -> Gains | None:
-        """The gains to set. Raises ValueError where some are missing."""
-        given = [value for value in (self.p, self.i, self.d) if value is not None]
-        if self.factory:
-            return Gains(GainSet.FACTORY, 0.0, 0.0, 0.0)
-        if not given:
-            return None
-        if len(given) < len("pid"):
-            raise ValueError("expected p, i and d together")
-        return Gains(GainSet.USER, *given)
+class CannotDo(Exception):
+    """What is asked for cannot be done now; one line with the remedy."""
 
 
 def done(message: str, **values: object) -> Answer:
@@ -83,29 +64,5 @@ class CommandHandler:
             return self._reply(parameters)
         except ValidationError as error:
             return failed(explain(error))
-        except (ValueError, PortLost) as error:
+        except (ValueError, CannotDo) as error:
             return failed(str(error))
-
-
-class GainsHandler:
-    """Sets and reports the wheel controller's gains; the base sends them with a later packet."""
-
-    def __init__(self, write: Callable[[bytes], None]) -> None:
-        self._write = write
-        self._promised: list[Future[Answer]] = []
-
-    def request(self, parameters: Answer) -> Future[Answer]:
-        """Set the gains, if some are given, and ask for them."""
-        gains = GainsRequest.model_validate(parameters).gains()
-        if gains:
-            self._write(commands.set_gains(gains))
-        self._write(commands.get_gains())
-        self._promised.append(Future())
-        return self._promised[-1]
-
-    def receive(self, gains: Gains) -> None:
-        """The base sent its gains."""
-        answer = done(f"{gains.kind.name.lower()} gains", p=gains.p, i=gains.i, d=gains.d)
-        for promise in self._promised:
-            promise.set_result(answer)
-        self._promised.clear()

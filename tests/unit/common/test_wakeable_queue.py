@@ -5,7 +5,7 @@ import threading
 
 import pytest
 
-from cliffscan.services.kobuki.wakeable_queue import ROOM, WakeableQueue
+from cliffscan.common.runtime.wakeable_queue import ROOM, WakeableQueue
 
 
 class Pipe:

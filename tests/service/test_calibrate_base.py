@@ -1,0 +1,48 @@
+"""`cliffscan calibrate --base` finds what a simulated base is like, through its gate, or says why it cannot."""
+
+import subprocess
+import sys
+import tomllib
+
+import pytest
+
+from tests.external_base import ExternalBase
+from tests.service.conftest import DEADLINE
+
+
+@pytest.fixture
+def calibrate(client):
+    def ask(*options, answer="yes\n"):
+        place = ["--robot", client.robot, "--connect", client.endpoint, "--mode", "client"]
+        command = [sys.executable, "-m", "cliffscan", "calibrate", "--base", *place, *options]
+        return subprocess.run(command, input=answer, capture_output=True, text=True, timeout=2 * DEADLINE, check=False)
+
+    return ask
+
+
+@pytest.mark.slow
+def test_the_brakes_of_a_base_of_another_make_are_found(client, start, calibrate):
+    with ExternalBase(client, dead_time=0.15, deceleration=0.8, turning=3.0):
+        start("gate", "--set", "gate.simulated=true", "--set", "gate.require_scan=false")
+        done = calibrate()
+    assert done.returncode == 0, done.stderr
+    found = tomllib.loads(done.stdout)["gate"]
+    assert 0.65 < found["deceleration"] <= 0.85
+    assert 140 < found["angular_deceleration"] <= 185
+    assert 0.15 < found["reaction"] < 0.5  # a busy machine is late itself
+
+
+def test_a_robot_is_driven_only_when_a_person_says_so(client, start, calibrate):
+    with ExternalBase(client) as base:
+        start("gate", "--set", "gate.simulated=true", "--set", "gate.require_scan=false")
+        done = calibrate(answer="no\n")
+        assert base.pose == (0.0, 0.0, 0.0)
+    assert (done.returncode, done.stdout) == (1, "")
+    assert "1.5 m ahead" in done.stderr
+    assert done.stderr.endswith("cliffscan: nothing was driven\n")
+
+
+def test_without_odometry_the_remedy_is_told(calibrate):
+    done = calibrate()
+    assert done.returncode == 1
+    assert "start the base's service" in done.stderr
