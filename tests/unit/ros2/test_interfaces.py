@@ -8,8 +8,8 @@ from cliffscan.services.ros2.interfaces import INTERFACES
 STORES = [Stores.ROS2_JAZZY, Stores.ROS2_KILTED]
 
 
-def test_there_are_twelve_interfaces():
-    assert len({each.dds_name for each in INTERFACES}) == len(INTERFACES) == 12
+def test_there_are_thirteen_interfaces():
+    assert len({each.dds_name for each in INTERFACES}) == len(INTERFACES) == 13
 
 
 @pytest.mark.parametrize("interface", INTERFACES, ids=lambda interface: interface.name)
