@@ -20,7 +20,7 @@ class Kind(NamedTuple):
 
 KINDS = {
     "simulator": Kind("simulated", extra="simulator", simulated=True),
-    "replay": Kind("replay", recorded=True, simulated=True),
+    "replay": Kind("replay", extra="capture,replay", recorded=True, simulated=True),
     "kinect": Kind("kinect"),
     "ros2": Kind("ros2", extra="capture,ros2", networked=True),
 }
