@@ -11,8 +11,8 @@ from typing import Literal, NamedTuple
 from cliffscan.common.contract.base_messages import BaseState, Odometry, SafetyState
 from cliffscan.common.contract.description import RobotDescription
 from cliffscan.common.contract.messages import LaserScan
-from cliffscan.safety.arc_collision import first_contact
 from cliffscan.safety.contact_recovery import Hit, Kind, touched
+from cliffscan.safety.hull import Corners, Disc, Hull, hull_of
 from cliffscan.safety.inputs import Sides
 from cliffscan.safety.local_grid import HALF_CELL, KINDS, LOOK, UNKNOWN, GridWindow, RollingGrid
 from cliffscan.safety.pose2d import Pose2D
@@ -46,7 +46,8 @@ class RememberedGround:
         self._view = View.undescribed()
         self._grid: RollingGrid | None = None
         self._pose = Pose2D(0.0, 0.0, 0.0)
-        self.radius = RADIUS
+        self.hull: Hull = Disc(RADIUS)
+        self.footprint: Corners = ()
 
     def describe(self, description: RobotDescription) -> None:
         """What the camera can see, and how large the body is."""
@@ -54,7 +55,8 @@ class RememberedGround:
             if description.camera is not None:
                 self._view = View.of(description.camera)
             if description.body is not None:
-                self.radius = description.body.radius
+                self.footprint = description.body.footprint
+                self.hull = hull_of(description.body.radius, self.footprint)
 
     def move(self, odometry: Odometry) -> None:
         """The robot is where the odometry says."""
@@ -62,10 +64,10 @@ class RememberedGround:
         with self._lock:
             jumped = math.hypot(pose.x - self._pose.x, pose.y - self._pose.y) > JUMP
             if self._grid is None or jumped:
-                self._grid, self._history = RollingGrid(pose, self.radius), PoseHistory()
+                self._grid, self._history = RollingGrid(pose, self.hull), PoseHistory()
             self._pose = pose
             self._history.add(odometry.stamp, pose)
-            self._grid.follow(pose, self.radius)
+            self._grid.follow(pose, self.hull)
 
     def feel(self, state: BaseState) -> None:
         """A sensor of the base fires: what is there is not free."""
@@ -74,7 +76,7 @@ class RememberedGround:
             for kind, sides in kinds.items():
                 for side, fires in zip(SIDES, sides, strict=True):
                     if fires and self._grid is not None:
-                        self._grid.touch(touched(Hit(kind, side), self._pose, self.radius))
+                        self._grid.touch(touched(Hit(kind, side), self._pose, self.hull))
 
     def see(self, scan: LaserScan) -> Pose2D | None:
         """Take in a fused scan; where the robot was then, or None where nobody knows."""
@@ -105,8 +107,8 @@ class RememberedGround:
                 return None
             side = 1 if linear > 0.0 else -1
             points = self._grid.not_free(self._pose, LOOK, unknown_too=KINDS[UNKNOWN] in safety.note)
-            radius = self.radius + HALF_CELL + MARGIN
-            met = first_contact(points, side, angular / linear, radius, radius)
+            kept = self.hull.rim + HALF_CELL + MARGIN
+            met = self.hull.on_arc(points, side, angular / linear, kept, kept)
             if not abs(met.distance - safety.distance) < DIFFERENT:
                 return None
             place = self._pose.to_world(points[:, met.point, None])

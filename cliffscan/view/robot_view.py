@@ -138,7 +138,8 @@ class RobotView:
             "base": self._with_age("base", now, _base),
             "odometry": self._with_age("odometry", now, _odometry),
             "services": [_service(health) for health in self._healths],
-            "radius": self._ground.radius,
+            "radius": self._ground.hull.outer,
+            "footprint": self._ground.footprint,
             "poses": {name: pose.pose for name, pose in self._poses.items()},
         }
 

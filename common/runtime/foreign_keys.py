@@ -32,7 +32,7 @@ class ForeignPublisher(Protocol):
 
 
 class ForeignKeys:
-    """Declares foreign keys and tokens. Session and readers are the bus's, and so is their end."""
+    """Declares foreign keys and tokens. Session and readers are the bus's, and so is their end, unless retract() is."""
 
     def __init__(self, session: zenoh.Session, readers: Readers) -> None:
         self._session = session
@@ -47,6 +47,11 @@ class ForeignKeys:
     def hold_token(self, key: str) -> None:
         """Declare a liveliness token, until the session ends."""
         self._declared.append(self._session.liveliness().declare_token(key))
+
+    def retract(self) -> None:
+        """Take back the tokens and subscriptions that were declared here."""
+        while self._declared:
+            self._declared.pop().undeclare()
 
     def publisher(self, key: str) -> ForeignPublisher:
         """Declare that samples will be put on a key."""
@@ -75,10 +80,11 @@ class ForeignKeys:
         most: int,
         room: int,
         rate: float,
+        latched: bool = False,
     ) -> None:
         """Call `receive` for the samples on a key, at most `rate` [Hz]; `refused` for those of more than `most` bytes.
 
-        `room` samples may wait; beyond, the oldest is dropped.
+        `room` samples may wait; beyond, the oldest is dropped. latched: also for what was published before and is kept.
         """
 
         def take(sample: zenoh.Sample) -> None:
@@ -92,7 +98,8 @@ class ForeignKeys:
                 attachment = sample.attachment.to_bytes() if sample.attachment else None
                 receive(Received(sample.payload.to_bytes(), attachment))
 
-        source = self._session.declare_subscriber(key, zenoh.handlers.RingChannel(room))
+        ring: zenoh.handlers.RingChannel[zenoh.Sample] = zenoh.handlers.RingChannel(room)
+        source = self._latched(key, ring) if latched else self._session.declare_subscriber(key, ring)
         self._declared.append(source)
         self._readers.read(source, take, Pace(rate, room))
 
@@ -128,6 +135,15 @@ class ForeignKeys:
         source = self._session.declare_queryable(key, zenoh.handlers.RingChannel(room), complete=True)
         self._declared.append(source)
         self._readers.read(source, take, Pace(rate, room))
+
+    def _latched(self, key: str, ring: Any) -> Any:  # noqa: ANN401
+        return zenoh.ext.declare_advanced_subscriber(
+            self._session,
+            key,
+            ring,
+            history=zenoh.ext.HistoryConfig(detect_late_publishers=True),
+            recovery=zenoh.ext.RecoveryConfig(periodic_queries=None, heartbeat=True),
+        )
 
 
 class _Publisher:

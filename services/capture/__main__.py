@@ -1,4 +1,4 @@
-"""Depth frames of a Kinect, a recording or the simulator, each with its camera and floor plane."""
+"""Depth frames of a camera, a recording or the simulator, each with its camera and floor plane."""
 
 import logging
 from collections.abc import Callable, Iterator
@@ -35,7 +35,7 @@ def frames(service: Service[CaptureConfig]) -> Iterator[DepthFrame]:
     delay = BACK_OFF[0]
     while service.running:
         try:
-            with closing(open_source(service.config)) as source:
+            with closing(open_source(service.config, service)) as source:
                 seen = bounded(new_frames(source, service, watch), service, bounds)
                 for frame in located(described(seen, service, description), service, lambda: bounds.note):
                     delay = BACK_OFF[0]
@@ -101,9 +101,9 @@ def described(
     """The frames of one source; their camera is described, and with the first of them the service is ready."""
     for frame in frames:
         if service.state != "working":
-            description.begin(frame.camera)
+            description.begin(frame)
             service.ready()
-        description.follow(frame.camera)
+        description.follow(frame)
         yield frame
 
 
@@ -136,7 +136,7 @@ def serve(service: Service[CaptureConfig]) -> None:
     publisher = service.publisher(topics.DEPTH)
     encoding = LEVELS if service.config.compressed else RAW
     configured = 1.0 / service.config.rate
-    for seq, (depth, stamp, camera, period) in enumerate(frames(service)):
+    for seq, (depth, stamp, camera, period, _place) in enumerate(frames(service)):
         image = DepthImage.pack(
             seq, stamp, service.config.frame, depth, camera, encoding, configured if period is None else period
         )

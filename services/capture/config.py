@@ -41,7 +41,7 @@ class CaptureConfig(ServiceConfig):
     floor: Literal["fixed", "tracked"] = "tracked"
     """Where the floor is: fixed where the mount has it, or tracked, which is measured in each frame near the mount."""
 
-    # the nominal mount, for the simulator and the Kinect
+    # the nominal mount, where the source has none of its own
     height: Annotated[float, Field(gt=0, le=20)] = 0.30
     """Height [m] of the camera above the floor; a depth folder brings its own."""
     pitch: Annotated[float, Field(gt=-87, lt=87)] = 0.0
@@ -67,9 +67,16 @@ class CaptureConfig(ServiceConfig):
     yaw: Annotated[float, Field(ge=-180, le=180)] = math.degrees(TURTLEBOT_2.yaw)
     """Where the camera looks [deg], counter-clockwise from straight ahead."""
 
+    # ros2
+    topic: Annotated[str, Field(pattern=r"^(/?[A-Za-z][A-Za-z0-9_]*(/[A-Za-z][A-Za-z0-9_]*)*)?$", max_length=200)] = ""
+    """The depth topic of ROS; while it is empty, ros2 takes /camera/depth/image_rect_raw. One that ends with
+    compressedDepth is compressed. Its CameraInfo is camera_info beside it."""
+    domain: Annotated[int, Field(ge=0, le=232)] = 0
+    """ROS_DOMAIN_ID of the camera's driver."""
+
     # replay
     path: str = ""
-    """The depth folder that is replayed."""
+    """The depth folder, ROS bag or MCAP file that is replayed."""
     loop: bool = True
     """Whether a replay begins again at its end."""
 

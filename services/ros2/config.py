@@ -31,6 +31,8 @@ class Ros2Config(ServiceConfig):
     """Frame of the floor's point between the wheels; base_footprint, where the robot's base_link is above the floor."""
     base: Literal["cliffscan", "external"] = "cliffscan"
     """What drives the base. external: a base that ROS drives; its /odom is received, and /cmd_vel_safe published."""
+    camera: Literal["cliffscan", "external"] = "cliffscan"
+    """What has the camera. external: a driver in ROS, which publishes the images and the transform to them itself."""
     slam_range: Annotated[float, Field(gt=0, le=100)] = 4.0
     """Distance [m] up to which a SLAM shall free ground: its own greatest range, as max_laser_range of slam_toolbox."""
     scan_height: Annotated[float, Field(ge=0, le=1)] = 0.12

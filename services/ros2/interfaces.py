@@ -28,6 +28,9 @@ POINT_CLOUD = Interface(
 )
 IMAGE = Interface("sensor_msgs", "Image", "d31d41a9a4c4bc8eae9be757b0beed306564f7526c88ea6a4588fb9582527d47")
 CAMERA_INFO = Interface("sensor_msgs", "CameraInfo", "b3dfd68ff46c9d56c80fd3bd4ed22c7a4ddce8c8348f2f59c299e73118e7e275")
+COMPRESSED_IMAGE = Interface(
+    "sensor_msgs", "CompressedImage", "15640771531571185e2efc8a100baf923961a4d15d5569652e6cb6691e8e371a"
+)
 IMU = Interface("sensor_msgs", "Imu", "7d9a00ff131080897a5ec7e26e315954b8eae3353c3f995c55faf71574000b5b")
 BATTERY_STATE = Interface(
     "sensor_msgs", "BatteryState", "4bee5dfce981c98faa6828b868307a0a73f992ed0789f374ee96c8f840e69741"

@@ -80,8 +80,19 @@ class Node:
         declared = self._keys.latched_publisher(key) if latched else self._keys.publisher(key)
         return Publisher(declared, endpoint_id(self._announce_endpoint("MP", topic, interface, profile)))
 
-    def subscribe(self, topic: str, interface: Interface, receive: Callable[[Reader], None]) -> None:
-        """Call `receive` with each message of `topic`; what it raises, CdrError or MessageError, is counted."""
+    def subscribe(
+        self,
+        topic: str,
+        interface: Interface,
+        receive: Callable[[Reader], None],
+        profile: Profile = Profile.DEFAULT,
+        room: int = ROOM,
+        most: int = SMALL,
+    ) -> None:
+        """Call `receive` with each message of `topic`; what it raises, CdrError or MessageError, is counted.
+
+        room: messages that may wait, of which the oldest is dropped first; most: [bytes] of one.
+        """
 
         def refused(why: Exception) -> None:
             self._metrics.warn_limited("malformed", f"{self._namespace}/{topic}: {why}")
@@ -94,8 +105,9 @@ class Node:
             else:
                 self._metrics.count("received")
 
-        self._keys.subscribe(self._key(topic, interface), take, refused, SMALL, ROOM, RATE)
-        self._announce_endpoint("MS", topic, interface, Profile.DEFAULT)
+        latched = profile is Profile.LATCHED
+        self._keys.subscribe(self._key(topic, interface), take, refused, most, room, RATE, latched)
+        self._announce_endpoint("MS", topic, interface, profile)
 
     def serve(self, name: str, interface: Interface, respond: Callable[[], bytes]) -> None:
         """Answer requests without parameters to the service `name` with the CDR that `respond` makes."""

@@ -27,7 +27,7 @@ Maker = Callable[[Service[Ros2Config], Node], Feed[Any]]
 
 def feeds(service: Service[Ros2Config], node: Node) -> list[Feed[Any]]:
     """All topics of the robot that something in ROS is made of, for a base of ours or one that ROS drives."""
-    makers: list[Maker] = [depth, map_of_slam, statuses, safety]
+    makers: list[Maker] = [map_of_slam, statuses, safety, *([depth] if service.config.camera == "cliffscan" else [])]
     if service.config.base == "external":
         return [Scanner(service, node).feed, *(make(service, node) for make in (*makers, safe_commands))]
     made = [make(service, node) for make in (*makers, gyro, battery)]

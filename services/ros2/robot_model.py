@@ -42,12 +42,17 @@ class RobotModel:
             frames: list[Transform] = []
             if self._camera:
                 frames = transforms.of_camera(self._camera, config.base_frame, config.scan_height, description.stamp)
+            placed = [each for each in frames if each.child not in self._frames_of_others()]
             try:
-                if frames:
-                    self._static.put(messages.tf_message(frames))
+                if placed:
+                    self._static.put(messages.tf_message(placed))
             except CdrError as error:
                 self._service.metrics.warn_limited("malformed", f"{topics.DESCRIPTION.path}: {error}")
             self._urdf.put(messages.string(urdf(self._service.bus.robot, config.base_frame, self._body, frames)))
+
+    def _frames_of_others(self) -> set[str]:
+        """The optical frame, where a driver in ROS places it."""
+        return {self._camera.frame} if self._camera and self._service.config.camera == "external" else set()
 
 
 def urdf(robot: str, base_frame: str, body: BodyDescription | None, frames: Sequence[Transform]) -> str:

@@ -279,6 +279,15 @@ def test_a_base_that_ros_drives(client, start, peer, repeat):
     assert (got["pose"], got["twist"]) == ([1.0, 2.0, math.pi], [0.2, 0.1])
 
 
+def test_a_camera_that_ros_drives(client, start, peer):
+    start("ros2", "--set", "ros2.camera=external")
+    tokens = peer.tokens_when(lambda all_of: any(token[5] == "NN" for token in all_of))
+    assert not [token for token in tokens if token[5] == "MP" and token[9].startswith("%camera")]
+    client.put("description", description())
+    frames = {each.child_frame_id for each in peer.subscribe("tf_static", TF, latched=True).get().transforms}
+    assert frames == {"camera_footprint", "camera_scan"}
+
+
 def test_what_ros_cannot_express_is_counted_and_dropped(client, start, peer, repeat):
     start("ros2")
     odom, status = peer.subscribe("odom", "nav_msgs/msg/Odometry"), client.listen("status/ros2")

@@ -39,7 +39,7 @@ export class Plan {
     const scale = Math.min(width / (2 * ASIDE), height / (AHEAD + BEHIND)) / this.shown;
     const middle = [width / 2, (height + (AHEAD - BEHIND) * this.shown * scale) / 2];
     const place = (x, y) => [middle[0] - y * scale, middle[1] - x * scale];
-    const { safety, base, odometry, scan_age: age, radius = 0.18 } = this.state;
+    const { safety, base, odometry, scan_age: age, radius = 0.18, footprint = [] } = this.state;
     const pose = this.scene?.pose && !(age > OLD) ? this.scene.pose : odometry?.pose;
     const inOdometry = (draw) => {
       if (!pose) return;
@@ -60,7 +60,7 @@ export class Plan {
     this.drawRings(context, place, scale, pixels);
     const way = safety && commandedWay(safety);
     if (way) drawWay(context, way, radius, place, scale, palette.ink);
-    drawRobot(context, radius, base, place, scale);
+    drawRobot(context, radius, footprint, base, place, scale);
     if (safety && HOLDS.includes(safety.level)) this.drawObstruction(context, pose, place, pixels);
     if (age > OLD) label(context, `the scan is ${age.toFixed(0)} s old`, width / 2, 24 * pixels, pixels);
   }

@@ -5,12 +5,13 @@ import { palette } from "./palette.js";
 const SIDE = (50 * Math.PI) / 180; // where on the rim the outer sensors are
 const HALF = (20 * Math.PI) / 180;
 
-export function drawRobot(context, radius, base, place, scale) {
+export function drawRobot(context, radius, footprint, base, place, scale) {
   const [u, v] = place(0, 0);
   context.fillStyle = palette.robot;
   context.globalAlpha = 0.85;
   context.beginPath();
-  context.arc(u, v, radius * scale, 0, 7);
+  if (footprint.length) footprint.forEach(([x, y]) => context.lineTo(...place(x, y)));
+  else context.arc(u, v, radius * scale, 0, 7);
   context.fill();
   context.globalAlpha = 1;
   context.fillStyle = palette.page;

@@ -6,18 +6,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cliffscan.common.contract.camera import Camera
+from cliffscan.common.contract.description import Place
 
 
 class DepthFrame(NamedTuple):
     """One depth image. depth: (rows, columns) [mm], 0 = no return; stamp: time of capture [ns since the epoch].
 
     period [s]: from one frame to the next; None where it is that of the configured rate.
+    place: where the camera stands on the base; None where it is as configured.
     """
 
     depth: NDArray[np.uint16]
     stamp: int
     camera: Camera
     period: float | None = None
+    place: Place | None = None
 
 
 class SourceLost(Exception):

@@ -8,16 +8,19 @@ class Kind(NamedTuple):
 
     module: a file beside this one; its open_configured(config) makes a Source. extra: what pip installs for it.
     recorded: a picture may come again. simulated: the pictures are not of where the robot stands now.
+    networked: they come over the service's own session; the source is made by open_configured(config, service).
     """
 
     module: str
     extra: str = "capture"
     recorded: bool = False
     simulated: bool = False
+    networked: bool = False
 
 
 KINDS = {
     "simulator": Kind("simulated", extra="simulator", simulated=True),
-    "replay": Kind("replay", recorded=True, simulated=True),
+    "replay": Kind("replay", extra="capture,replay", recorded=True, simulated=True),
     "kinect": Kind("kinect"),
+    "ros2": Kind("ros2", extra="capture,ros2", networked=True),
 }

@@ -9,7 +9,6 @@ from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
-from PIL import Image
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from cliffscan.common.contract.camera import (
@@ -24,12 +23,12 @@ from cliffscan.common.contract.camera import (
 from cliffscan.common.contract.message import Stamp, explain
 from cliffscan.common.runtime.config import ConfigError
 from cliffscan.services.capture.config import CaptureConfig
-from cliffscan.services.capture.sources.depth_source import BadFrame, DepthFrame, SourceEnded
+from cliffscan.services.capture.sources.depth_png import decode_depth
+from cliffscan.services.capture.sources.depth_source import BadFrame, DepthFrame, Source, SourceEnded
 
 Four = tuple[float, float, float, float]
 LEVEL = (0.0, -1.0, 0.0, 0.3)  # a floor below any camera
 LONGEST_PERIOD = 1e4  # [s] that a message can tell
-GREY_16 = ("I;16", "I;16B", "I;16L")
 
 
 class FrameOverride(BaseModel):
@@ -124,9 +123,14 @@ class Replay:
         return self._stamps[place] + round_ * lap
 
 
-def open_configured(config: CaptureConfig) -> Replay:
-    """The depth folder that is configured. Raises ConfigError."""
-    return Replay(Path(config.path), config.rate, config.loop)
+def open_configured(config: CaptureConfig) -> Source:
+    """The depth folder, bag or MCAP file that is configured. Raises ConfigError."""
+    path = Path(config.path)
+    if path.is_file() or (path / "metadata.yaml").is_file():
+        from cliffscan.services.capture.sources.bag import BagReplay  # a depth folder needs no rosbags
+
+        return BagReplay(path, config)
+    return Replay(path, config.rate, config.loop)
 
 
 def images_of(folder: Path) -> list[Path]:
@@ -176,12 +180,7 @@ def read_camera(folder: Path) -> CameraFile:
 def read_depth(path: Path, width: int, height: int) -> NDArray[np.uint16]:
     """A 16-bit greyscale PNG as (height, width) [mm]. Raises BadFrame where it is anything else."""
     try:
-        with Image.open(path, formats=["PNG"]) as image:
-            image.verify()  # reading alone passes over wrong check sums
-        with Image.open(path, formats=["PNG"]) as image:
-            if image.mode not in GREY_16 or image.size != (width, height):
-                size = f"{image.width}x{image.height}"
-                raise BadFrame(f"{path.name}: {size} {image.mode}, expected {width}x{height} 16-bit grey")
-            return np.asarray(image, dtype=np.uint16)
-    except (OSError, SyntaxError, ValueError, Image.DecompressionBombError) as error:
+        content = path.read_bytes()
+    except OSError as error:
         raise BadFrame(f"{path.name}: {error}") from error
+    return decode_depth(content, path.name, width, height)

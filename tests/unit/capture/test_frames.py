@@ -35,7 +35,7 @@ class Script:
         self.opened = self.closed = 0
         self.timeouts = []
 
-    def open(self, _config):
+    def open(self, _config, _service):
         self.opened += 1
         self.events = self.openings.pop(0) if self.openings else [SourceEnded()]
         if isinstance(self.events, Exception):

@@ -11,7 +11,7 @@ STORES = [Stores.ROS2_JAZZY, Stores.ROS2_KILTED]
 
 
 def test_no_interface_is_there_twice():
-    assert len({each.dds_name for each in INTERFACES}) == len(INTERFACES) == 14
+    assert len({each.dds_name for each in INTERFACES}) == len(INTERFACES) == 15
 
 
 @pytest.mark.parametrize("interface", MESSAGES, ids=lambda interface: interface.name)

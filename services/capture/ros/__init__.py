@@ -1,0 +1,1 @@
+"""What the messages of ROS say of a depth camera, whether they come live or from a recording."""
