@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 import zenoh
 
-DEADLINE = 30.0  # [s] after which a fact that did not come will not come
+DEADLINE = 60.0  # [s] after which a fact that did not come will not come
 
 
 def free_endpoint():
