@@ -2,7 +2,6 @@
 
 import argparse
 import logging
-import math
 import re
 import socket
 import sys
@@ -20,6 +19,7 @@ from cliffscan.drive import PRIORITY, drive
 from cliffscan.echo import echo
 from cliffscan.listing import list_keys, list_robots
 from cliffscan.live import alive
+from cliffscan.recording.commands import add_recording
 from cliffscan.run import add_run
 from cliffscan.services.capture.config import CaptureConfig
 from cliffscan.simulator.world_names import RANDOM, world_names
@@ -89,14 +89,6 @@ def mount(arguments: argparse.Namespace, bus: Bus, stop: StopSignal) -> int:
     if arguments.config or arguments.set:
         nominal = configuration.load("capture", CaptureConfig, arguments.config, arguments.set).mounted_floor()
     return calibrate(bus, arguments.seconds, nominal, stop)
-
-
-def seconds(text: str) -> float:
-    """A time span [s] that ends."""
-    value = float(text)
-    if not 0.0 < value < math.inf:
-        raise argparse.ArgumentTypeError(f"{text} s, expected a time span")
-    return value
 
 
 def looked(arguments: argparse.Namespace) -> str:
@@ -179,13 +171,16 @@ def build_parser() -> argparse.ArgumentParser:
     alive_parser.add_argument("service", help="as fuse, or router for any router-NAME")
     measured = add("calibrate", on_bus(mount), "Measure the camera's mount from the floor; print its configuration.")
     options.add_config(measured)
-    measured.add_argument("--seconds", type=seconds, default=5.0, metavar="S", help="how long to look at the floor")
+    measured.add_argument(
+        "--seconds", type=options.positive, default=5.0, metavar="S", help="how long to look at the floor"
+    )
     driven = add(
         "drive", on_bus(lambda a, bus, stop: drive(bus, stop, a.linear, a.angular)), "Drive with the keyboard."
     )
     driven.epilog = f"Its commands have priority {PRIORITY}: they outrank those of a program, which have 0 by default."
     driven.add_argument("--linear", type=float, default=0.2, metavar="M/S", help="speed to begin with")
     driven.add_argument("--angular", type=float, default=0.8, metavar="RAD/S", help="turn rate to begin with")
+    add_recording(add)
     echo_parser = add(
         "echo",
         on_bus(lambda a, bus, stop: echo(bus, a.key, a.count, a.timeout, a.full, stop)),

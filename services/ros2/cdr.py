@@ -83,6 +83,14 @@ class Reader:
         except UnicodeDecodeError as error:
             raise CdrError(f"a string is not UTF-8: {error.reason}") from error
 
+    def sequence(self, kind: type[np.generic]) -> NDArray[Any]:
+        """A sequence of numbers: (length,), which shares the message's memory."""
+        item = np.dtype(kind).newbyteorder("<")
+        (length,) = self.numbers("I", 1)
+        if length:
+            self._at += -self._at % item.itemsize
+        return np.frombuffer(self._take(length * item.itemsize), item)
+
     def header(self) -> tuple[int, str]:
         """Stamp [ns] and frame of a std_msgs/Header."""
         (seconds,), (nanoseconds,) = self.numbers("i", 1), self.numbers("I", 1)

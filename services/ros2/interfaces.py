@@ -11,6 +11,11 @@ class Interface(NamedTuple):
     digest: str  # SHA-256 of the definition, hexadecimal
 
     @property
+    def message_name(self) -> str:
+        """The type's name for people and files, as sensor_msgs/msg/LaserScan."""
+        return f"{self.package}/msg/{self.name}"
+
+    @property
     def dds_name(self) -> str:
         """The type's name on the wire."""
         return f"{self.package}::msg::dds_::{self.name}_"

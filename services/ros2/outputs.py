@@ -10,14 +10,14 @@ from cliffscan.common.contract.beam_grid import Grid
 from cliffscan.common.contract.description import RobotDescription
 from cliffscan.common.contract.map_messages import OccupancyGrid, Pose2D
 from cliffscan.common.contract.messages import DepthImage, LaserScan, ServiceStatus
-from cliffscan.common.runtime.service import Service
 from cliffscan.safety.visible_floor import UNDESCRIBED_NEAREST
 from cliffscan.services.ros2 import diagnostics, interfaces, messages, scans, transforms
 from cliffscan.services.ros2.cdr import CdrError
 from cliffscan.services.ros2.config import Ros2Config
 from cliffscan.services.ros2.feed import Feed, Output
 from cliffscan.services.ros2.map_frame import MapFrame
-from cliffscan.services.ros2.node import Node, Profile
+from cliffscan.services.ros2.node import Profile
+from cliffscan.services.ros2.ports import Node, Service
 
 BATTERY_PERIOD = 1.0  # [s] between two states of the battery
 NEWEST = 2  # depth images that may wait: one is converted meanwhile
