@@ -33,16 +33,16 @@ class Area:
 
     def cells(self, points):
         """Flat number of each point's cell; points outside are put at the border."""
-        column, row = np.clip(((points - self.low) / CELL).astype(int), 0, self.side - 1).T
-        return row * self.side + column
+        place = np.clip(((points - self.low) / CELL).astype(int), 0, self.side - 1)
+        return place[..., 1] * self.side + place[..., 0]
 
-    def line(self, scan, beam, start, end):
-        """The cells that a beam crosses from start to end [m], each once."""
-        distances = np.arange(start, end, CELL / 4)
-        x, y, yaw = scan.pose
-        angle = yaw + scan.angles[beam]
-        points = np.stack([x + distances * np.cos(angle), y + distances * np.sin(angle)], axis=-1)
-        return np.unique(self.cells(points))
+    def lines(self, scan, start, ends):
+        """The cells that the beams cross from start to their ends (beams,) [m], each once a beam; NaN crosses none."""
+        distances = np.arange(start, np.nanmax(ends, initial=start), CELL / 4)[:, None]
+        cells = self.cells(scan.points(distances))
+        crossed = distances < ends
+        crossed[1:] &= cells[1:] != cells[:-1]
+        return cells[crossed]
 
 
 class Karto:
@@ -61,16 +61,12 @@ class Karto:
         self._hits = np.zeros(area.side**2)
 
     def add(self, scan) -> None:
-        for beam, value in enumerate(scan.ranges):
-            if not np.isfinite(value) or value >= scan.range_max:
-                continue
-            marks = value < self._threshold
-            end = min(value, self._threshold)
-            self._passes[self._area.line(scan, beam, 0.0, end)] += 1
-            if marks:
-                cell = self._area.cells(scan.points(np.full(len(scan.angles), end))[beam : beam + 1])
-                self._passes[cell] += 1
-                self._hits[cell] += 1
+        ranges = np.where(scan.ranges < scan.range_max, scan.ranges, np.nan)
+        np.add.at(self._passes, self._area.lines(scan, 0.0, np.minimum(ranges, self._threshold)), 1)
+        marked = ranges < self._threshold
+        cells = self._area.cells(scan.points(np.where(marked, ranges, 0.0))[marked])
+        np.add.at(self._passes, cells, 1)
+        np.add.at(self._hits, cells, 1)
 
     def cells(self):
         known = self._passes >= self.LEAST_PASSES
@@ -90,9 +86,8 @@ class ObstacleLayer:
         self._cells = np.full(area.side**2, UNKNOWN, np.int8)
 
     def update(self, marks, clears) -> None:
-        for beam in np.flatnonzero(np.isfinite(clears.ranges)):
-            end = min(clears.ranges[beam], self._farthest)
-            self._cells[self._area.line(clears, beam, self._nearest, end)] = FREE
+        ends = np.where(np.isfinite(clears.ranges), np.minimum(clears.ranges, self._farthest), np.nan)
+        self._cells[self._area.lines(clears, self._nearest, ends)] = FREE
         near = np.isfinite(marks.ranges) & (marks.ranges <= self._farthest)
         self._cells[self._area.cells(marks.points(np.where(near, marks.ranges, 0.0))[near])] = OCCUPIED
 

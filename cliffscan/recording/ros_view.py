@@ -28,7 +28,7 @@ class RosView:
     """
 
     def __init__(self, robot: str, write: Callable[[RosTopic, bytes], None], images: float) -> None:
-        self.config = Ros2Config()
+        self.config = Ros2Config.model_validate({})
         self.metrics = ServiceMetrics()
         self.bus = _Samples(robot)
         self._write = write

@@ -76,6 +76,13 @@ SCAN_FUSED = Topic(
     Qos.REAL_TIME,
     "fuse, algorithm 3 over positive, negative and extra inputs",
 )
+SCAN_SAFE = Topic(
+    "scan/safe",
+    LaserScan,
+    "per frame",
+    Qos.REAL_TIME,
+    "fuse, while it has subscribers: `scan/fused` for whatever reads `ranges` alone",
+)
 SCAN = Topic("scan/<name>", LaserScan, "any", Qos.REAL_TIME, "any other sensor, an extra input of fuse")
 ODOMETRY = Topic("base/odom", Odometry, "50 Hz", Qos.REAL_TIME, "kobuki")
 BASE_STATE = Topic("base/state", BaseState, "50 Hz", Qos.REAL_TIME, "kobuki")

@@ -96,6 +96,39 @@ class ForeignKeys:
         self._declared.append(source)
         self._readers.read(source, take, Pace(rate, room))
 
+    def answer(
+        self,
+        key: str,
+        reply: Callable[[Received], Received | None],
+        refused: Callable[[MessageError], object],
+        most: int,
+        room: int,
+        rate: float,
+    ) -> None:
+        """Answer requests at a key with what `reply` makes of them, nothing where that is None; as subscribe() else.
+
+        A request by a wild card is not answered: nothing is done that was not asked for by name.
+        """
+
+        def take(query: zenoh.Query) -> None:
+            with query:
+                if str(query.key_expr) != key:
+                    return
+                payload = query.payload
+                try:
+                    check_size(len(payload) if payload else 0, most)
+                except MessageError as error:
+                    refused(error)
+                    return
+                attachment = query.attachment.to_bytes() if query.attachment else None
+                answered = reply(Received(payload.to_bytes() if payload else b"", attachment))
+                if answered:
+                    query.reply(key, answered.payload, attachment=answered.attachment)
+
+        source = self._session.declare_queryable(key, zenoh.handlers.RingChannel(room), complete=True)
+        self._declared.append(source)
+        self._readers.read(source, take, Pace(rate, room))
+
 
 class _Publisher:
     def __init__(self, publisher: zenoh.Publisher) -> None:

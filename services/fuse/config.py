@@ -5,7 +5,7 @@ from typing import Annotated
 from pydantic import Field, field_validator
 
 from cliffscan.common.contract.messages import LaserScan
-from cliffscan.common.contract.topics import SCAN_FUSED, message_at
+from cliffscan.common.contract.topics import SCAN_FUSED, SCAN_SAFE, message_at
 from cliffscan.common.runtime.config import ServiceConfig
 
 
@@ -26,7 +26,7 @@ class ExtraInput(ServiceConfig):
     @field_validator("key")
     @classmethod
     def _somebody_elses(cls, key: str) -> str:
-        if key == SCAN_FUSED.path or message_at(key) not in (None, LaserScan):
+        if key in (SCAN_FUSED.path, SCAN_SAFE.path) or message_at(key) not in (None, LaserScan):
             raise ValueError(f"{key} is no scan of somebody else")
         return key
 

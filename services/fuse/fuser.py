@@ -4,6 +4,7 @@ import time
 
 from cliffscan.common.contract import topics
 from cliffscan.common.contract.messages import LaserScan
+from cliffscan.common.perception.known_ground import safe_scan
 from cliffscan.common.runtime.service import Service
 from cliffscan.services.fuse.config import ExtraInput, FuseConfig
 from cliffscan.services.fuse.fusion import GridMismatch, fuse
@@ -21,6 +22,7 @@ class Fuser:
         self._pairing = Pairing(service.config.timeout)
         self._newest: dict[str, LaserScan] = {}
         self._publisher = service.publisher(topics.SCAN_FUSED)
+        self._safe = service.publisher(topics.SCAN_SAFE)
 
     def take(self, name: str, scan: LaserScan) -> None:
         """Take in one scan; publish where it completes a frame."""
@@ -51,6 +53,8 @@ class Fuser:
             metrics.warn_limited("mismatch", str(error))
             return False
         self._publisher.put(fused)
+        if self._safe.has_subscribers:
+            self._safe.put(safe_scan(fused))
         metrics.output(pair.positive.stamp)
         return True
 

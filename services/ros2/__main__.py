@@ -1,6 +1,7 @@
 """The robot as a ROS 2 node over rmw_zenoh: scans, odometry, transforms and more out, velocities in."""
 
 from collections.abc import Callable, Iterable
+from functools import partial
 from typing import Any, TypeVar
 
 from cliffscan.common.contract import topics
@@ -15,6 +16,7 @@ from cliffscan.services.ros2.node import Node
 from cliffscan.services.ros2.outputs import feeds
 
 NODE = "cliffscan"
+SERVICES = ("stop", "clear_safety")  # the base's commands that need no parameters and that a ROS user needs
 
 M = TypeVar("M", bound=Message)
 
@@ -29,10 +31,13 @@ def serve(service: Service[Ros2Config]) -> None:
         publisher = service.publisher(topic)
         return lambda reader: publisher.put(convert(reader))
 
-    plain = pass_on(topics.VELOCITY, lambda reader: commands.twist(reader, config.priority))
-    stamped = pass_on(topics.VELOCITY, lambda reader: commands.twist_stamped(reader, config.priority))
-    node.subscribe("cmd_vel", interfaces.TWIST, plain)
-    node.subscribe("cmd_vel", interfaces.TWIST_STAMPED, stamped)
+    for source, given in config.commands.items():
+        plain = pass_on(topics.VELOCITY, partial(commands.twist, source=source, priority=given.priority))
+        stamped = pass_on(topics.VELOCITY, partial(commands.twist_stamped, source=source, priority=given.priority))
+        node.subscribe(given.topic, interfaces.TWIST, plain)
+        node.subscribe(given.topic, interfaces.TWIST_STAMPED, stamped)
+    for name in SERVICES:
+        node.serve(f"{NODE}/{name}", interfaces.TRIGGER, partial(commands.trigger, service.bus, name))
     if config.base == "external":
         node.subscribe("odom", interfaces.ODOMETRY, pass_on(topics.ODOMETRY, commands.odometry))
     node.announce()

@@ -1,6 +1,7 @@
 """CDR, the bytes of ROS 2 messages: little-endian, each number aligned to its size. Source: OMG DDSI-RTPS, XCDR1."""
 
 import struct
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -23,8 +24,9 @@ class Writer:
 
     def numbers(self, code: str, *values: float) -> None:
         """Numbers of one type by struct's code, as a fixed-size array has them: without a length."""
-        self._align(struct.calcsize(code))
-        self._bytes += struct.pack(f"<{len(values)}{code}", *values)
+        packer, size = _packer(code, len(values))
+        self._align(size)
+        self._bytes += packer.pack(*values)
 
     def text(self, text: str) -> None:
         """A string."""
@@ -57,7 +59,15 @@ class Writer:
         return bytes(self._bytes)
 
     def _align(self, size: int) -> None:
-        self._bytes += bytes(-(len(self._bytes) - len(HEADER)) % size)
+        missing = -(len(self._bytes) - len(HEADER)) % size
+        if missing:
+            self._bytes += bytes(missing)
+
+
+@lru_cache(256)
+def _packer(code: str, count: int) -> tuple[struct.Struct, int]:
+    """What packs so many numbers of one type, and the size [bytes] of one."""
+    return struct.Struct(f"<{count}{code}"), struct.calcsize(code)
 
 
 class Reader:

@@ -1,26 +1,31 @@
-"""ROS messages that come in, as ours. All functions raise CdrError or MessageError."""
+"""What ROS nodes send and ask for, as ours."""
 
 import time
 
 import numpy as np
 
 from cliffscan.common.contract.base_messages import Odometry, Velocity
+from cliffscan.common.contract.topics import command
+from cliffscan.common.runtime.bus import Bus
 from cliffscan.services.ros2.cdr import Reader
-from cliffscan.services.ros2.messages import PLANE
+from cliffscan.services.ros2.messages import PLANE, trigger_response
 from cliffscan.services.ros2.transforms import heading_of
 
-SOURCE = "ros2"
+ANSWER_WITHIN = 1.0  # [s]
 
 
-def twist(reader: Reader, priority: int) -> Velocity:
-    """The velocity of a geometry_msgs/Twist, which has no stamp: it is taken for one of now."""
-    return _velocity(reader, time.time_ns(), priority)
+def twist(reader: Reader, source: str, priority: int) -> Velocity:
+    """The velocity of a geometry_msgs/Twist, which has no stamp: it is taken for one of now.
+
+    Raises CdrError or MessageError, as all that read do.
+    """
+    return _velocity(reader, time.time_ns(), source, priority)
 
 
-def twist_stamped(reader: Reader, priority: int) -> Velocity:
+def twist_stamped(reader: Reader, source: str, priority: int) -> Velocity:
     """The velocity of a geometry_msgs/TwistStamped; a stamp of 0 means now, as in ROS."""
     stamp, _frame = reader.header()
-    return _velocity(reader, stamp or time.time_ns(), priority)
+    return _velocity(reader, stamp or time.time_ns(), source, priority)
 
 
 def odometry(reader: Reader) -> Odometry:
@@ -42,9 +47,17 @@ def odometry(reader: Reader) -> Odometry:
     return Odometry.of(fields)
 
 
-def _velocity(reader: Reader, stamp: int, priority: int) -> Velocity:
+def trigger(bus: Bus, name: str) -> bytes:
+    """Pass a std_srvs/Trigger on to the base as its command `name`; the base's answer, as a response."""
+    answer = bus.ask(command(name), {}, ANSWER_WITHIN)
+    if answer is None:
+        return trigger_response(success=False, text=f"nobody answers {command(name)}: no base is running")
+    return trigger_response(bool(answer.get("ok")), str(answer.get("message", "")))
+
+
+def _velocity(reader: Reader, stamp: int, source: str, priority: int) -> Velocity:
     linear, _y, _z, _roll, _pitch, angular = reader.numbers("d", 6)
-    fields = {"stamp": stamp, "linear": linear, "angular": angular, "source": SOURCE, "priority": priority}
+    fields = {"stamp": stamp, "linear": linear, "angular": angular, "source": source, "priority": priority}
     return Velocity.of(fields)
 
 

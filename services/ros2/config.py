@@ -2,11 +2,22 @@
 
 from typing import Annotated, Literal
 
-from pydantic import Field
+from pydantic import Field, field_validator
 
+from cliffscan.common.contract import limits
 from cliffscan.common.runtime.config import ServiceConfig
 
 NAME = r"[A-Za-z][A-Za-z0-9_]*"
+SourceName = Annotated[str, limits.NAME]
+
+
+class CommandTopic(ServiceConfig):
+    """A topic on which velocities come, as Twist or TwistStamped; its table's name is the source of its commands."""
+
+    topic: Annotated[str, Field(pattern=rf"^{NAME}(/{NAME})*$", max_length=200)] = "cmd_vel"
+    """The topic below the namespace."""
+    priority: Annotated[int, Field(ge=-(2**31), lt=2**31)] = 0
+    """Priority of its commands; a higher one takes over at once."""
 
 
 class Ros2Config(ServiceConfig):
@@ -24,5 +35,13 @@ class Ros2Config(ServiceConfig):
     """Distance [m] up to which a SLAM shall free ground: its own greatest range, as max_laser_range of slam_toolbox."""
     scan_height: Annotated[float, Field(ge=0, le=1)] = 0.12
     """Height [m] above the floor of the scans' frame. On the floor, any tilt of the robot puts obstacles below it."""
-    priority: Annotated[int, Field(ge=-(2**31), lt=2**31)] = 0
-    """Priority of the commands from /cmd_vel; a higher one takes over at once."""
+    commands: Annotated[dict[SourceName, CommandTopic], Field(default_factory=lambda: {"ros2": CommandTopic()})]
+    """Topics that drive, one table [ros2.commands.SOURCE] each; without any there is /cmd_vel, with the source ros2."""
+
+    @field_validator("commands")
+    @classmethod
+    def _topics(cls, commands: dict[str, CommandTopic]) -> dict[str, CommandTopic]:
+        named = [each.topic for each in commands.values()]
+        if twice := {name for name in named if named.count(name) > 1}:
+            raise ValueError(f"{', '.join(sorted(twice))} is the topic of two sources: give each a topic of its own")
+        return commands

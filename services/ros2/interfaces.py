@@ -1,24 +1,25 @@
-"""The ROS 2 messages that are published or received, with the type hashes by which nodes recognise them."""
+"""The ROS 2 messages and services that are used, with the type hashes by which nodes recognise them."""
 
 from typing import NamedTuple
 
 
 class Interface(NamedTuple):
-    """A message type and its hash (REP-2016), which is the same in Jazzy and later."""
+    """A type and its hash (REP-2016), which is the same in Jazzy and later."""
 
     package: str
     name: str
     digest: str  # SHA-256 of the definition, hexadecimal
+    kind: str = "msg"  # or srv
 
     @property
     def message_name(self) -> str:
         """The type's name for people and files, as sensor_msgs/msg/LaserScan."""
-        return f"{self.package}/msg/{self.name}"
+        return f"{self.package}/{self.kind}/{self.name}"
 
     @property
     def dds_name(self) -> str:
         """The type's name on the wire."""
-        return f"{self.package}::msg::dds_::{self.name}_"
+        return f"{self.package}::{self.kind}::dds_::{self.name}_"
 
     @property
     def type_hash(self) -> str:
@@ -48,6 +49,8 @@ TF_MESSAGE = Interface("tf2_msgs", "TFMessage", "e369d0f05a23ae52508854b66f6aa04
 DIAGNOSTIC_ARRAY = Interface(
     "diagnostic_msgs", "DiagnosticArray", "5a8a36efb05fb25070fa0fb3810290c0e6cd4862b54a8fb975a1ee8dc55a333e"
 )
+STRING = Interface("std_msgs", "String", "df668c740482bbd48fb39d76a70dfd4bd59db1288021743503259e948f6b1a18")
+TRIGGER = Interface("std_srvs", "Trigger", "eeff2cd6fa5ad9d27cdf4dec64818317839b62f212a91e6b5304b634b2062c5f", "srv")
 
 # every row above
 INTERFACES: tuple[Interface, ...] = tuple(row for row in list(vars().values()) if isinstance(row, Interface))

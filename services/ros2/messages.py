@@ -174,6 +174,21 @@ def camera_info(message: DepthImage) -> bytes:
     return writer.payload()
 
 
+def string(text: str) -> bytes:
+    """A std_msgs/String."""
+    writer = Writer()
+    writer.text(text)
+    return writer.payload()
+
+
+def trigger_response(success: bool, text: str) -> bytes:
+    """A std_srvs/Trigger_Response."""
+    writer = Writer()
+    writer.numbers("?", success)
+    writer.text(text)
+    return writer.payload()
+
+
 def twist(linear: float, angular: float) -> bytes:
     """A geometry_msgs/Twist [m/s], [rad/s]."""
     writer = Writer()

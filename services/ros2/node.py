@@ -97,6 +97,25 @@ class Node:
         self._keys.subscribe(self._key(topic, interface), take, refused, SMALL, ROOM, RATE)
         self._announce_endpoint("MS", topic, interface, Profile.DEFAULT)
 
+    def serve(self, name: str, interface: Interface, respond: Callable[[], bytes]) -> None:
+        """Answer requests without parameters to the service `name` with the CDR that `respond` makes."""
+
+        def refused(why: Exception) -> None:
+            self._metrics.warn_limited("malformed", f"{self._namespace}/{name}: {why}")
+
+        def answer(request: Received) -> Received | None:
+            try:
+                Reader(request.payload)
+                sequence, _time, size, client = ATTACHMENT.unpack(request.attachment or b"")
+            except (CdrError, struct.error) as error:
+                refused(error)
+                return None
+            self._metrics.count("received")
+            return Received(respond(), ATTACHMENT.pack(sequence, time.time_ns(), size, client))
+
+        self._keys.answer(self._key(name, interface), answer, refused, SMALL, ROOM, RATE)
+        self._announce_endpoint("SS", name, interface, Profile.DEFAULT)
+
     def _announce_endpoint(self, kind: str, topic: str, interface: Interface, profile: Profile) -> str:
         self._endpoints += 1
         full = f"{self._namespace}/{topic}".replace("/", SLASH)

@@ -7,17 +7,15 @@ from cliffscan.common.contract import topics
 from cliffscan.common.contract.base_messages import BaseState, Imu, Odometry, SafetyState, Velocity
 from cliffscan.common.contract.beam_fields import Ranges
 from cliffscan.common.contract.beam_grid import Grid
-from cliffscan.common.contract.description import RobotDescription
 from cliffscan.common.contract.map_messages import OccupancyGrid, Pose2D
 from cliffscan.common.contract.messages import DepthImage, LaserScan, ServiceStatus
-from cliffscan.safety.visible_floor import UNDESCRIBED_NEAREST
 from cliffscan.services.ros2 import diagnostics, interfaces, messages, scans, transforms
-from cliffscan.services.ros2.cdr import CdrError
 from cliffscan.services.ros2.config import Ros2Config
 from cliffscan.services.ros2.feed import Feed, Output
 from cliffscan.services.ros2.map_frame import MapFrame
 from cliffscan.services.ros2.node import Profile
 from cliffscan.services.ros2.ports import Node, Service
+from cliffscan.services.ros2.robot_model import RobotModel
 
 BATTERY_PERIOD = 1.0  # [s] between two states of the battery
 NEWEST = 2  # depth images that may wait: one is converted meanwhile
@@ -35,19 +33,18 @@ def feeds(service: Service[Ros2Config], node: Node) -> list[Feed[Any]]:
 
 
 class Scanner:
-    """The scans. What the camera's description says of them is latched, and a scanner has one grid for ever."""
+    """The scans. A scanner has one grid for ever."""
 
     def __init__(self, service: Service[Ros2Config], node: Node) -> None:
+        model = RobotModel(service, node)
         self._service = service
         self._config = service.config
-        self._nearest_floor = UNDESCRIBED_NEAREST
         self._grid: Grid | None = None
-        self._static = node.publisher("tf_static", interfaces.TF_MESSAGE, Profile.LATCHED)
         slam_range = self._config.slam_range
         ranges: dict[str, Callable[[LaserScan], Ranges]] = {
             "scan": lambda scan: scans.for_slam(scan, slam_range),
             "scan_marks": lambda scan: scans.for_marking(scan, slam_range),
-            "scan_clear": lambda scan: scans.for_clearing(scan, slam_range, self._nearest_floor),
+            "scan_clear": lambda scan: scans.for_clearing(scan, slam_range, model.nearest_floor),
         }
         outputs = [
             Output(node.publisher(topic, interfaces.LASER_SCAN, Profile.SENSOR_DATA), self._message(choose))
@@ -56,7 +53,6 @@ class Scanner:
         cloud = node.publisher("cliff_points", interfaces.POINT_CLOUD, Profile.SENSOR_DATA)
         outputs.append(Output(cloud, lambda scan: messages.point_cloud(scan, transforms.SCAN_FRAME)))
         self.feed = Feed(service, topics.SCAN_FUSED, outputs, self._accept)
-        service.receive_latched(topics.DESCRIPTION, self._described)
 
     def _message(self, choose: Callable[[LaserScan], Ranges]) -> Callable[[LaserScan], bytes]:
         range_max = scans.range_max(self._config.slam_range)
@@ -71,17 +67,6 @@ class Scanner:
             return
         self.feed.publish(scan)
         self._service.metrics.output(scan.stamp)
-
-    def _described(self, description: RobotDescription) -> None:
-        camera = description.camera
-        if camera is not None:
-            self._nearest_floor = camera.nearest_floor
-            config = self._config
-            placed = transforms.of_camera(camera, config.base_frame, config.scan_height, description.stamp)
-            try:
-                self._static.put(messages.tf_message(placed))
-            except CdrError as error:
-                self._service.metrics.warn_limited("malformed", f"{topics.DESCRIPTION.path}: {error}")
 
 
 def odometry_and_pose(service: Service[Ros2Config], node: Node) -> list[Feed[Any]]:

@@ -13,10 +13,10 @@ import numpy as np
 
 from cliffscan.common.contract.beam_fields import Ranges
 from cliffscan.common.contract.messages import LaserScan
+from cliffscan.common.perception.known_ground import CELL, known_ground, safe_ranges
 
 BEYOND = 0.5  # [m] by which range_max exceeds slam_range, so that a number can lie between the two
 SHORT = 0.01  # [m] of range_max: the number of a beam that hit nothing
-CELL = 0.05  # [m] of a usual map: ground may end so much before a number, as an image's rows do
 NAN = np.float32(np.nan)
 
 
@@ -26,10 +26,9 @@ def range_max(slam_range: float) -> float:
 
 
 def for_slam(scan: LaserScan, slam_range: float) -> Ranges:
-    """/scan: whatever stands or ends where ground was seen up to it, or a number beyond slam_range; else NaN."""
-    ends = np.fmin(for_marking(scan, slam_range), np.float32(range_max(slam_range) - SHORT))
-    seen = scan.up_to("clear") >= np.minimum(ends, np.float32(slam_range)) - np.float32(CELL)
-    return np.where(seen, ends, NAN)
+    """/scan: whatever stands or ends where ground is known up to it, or a number beyond slam_range; else NaN."""
+    safe = safe_ranges(scan, known_ground(scan), slam_range)
+    return np.where(np.isinf(safe), np.float32(range_max(slam_range) - SHORT), safe)
 
 
 def for_marking(scan: LaserScan, slam_range: float) -> Ranges:
@@ -38,6 +37,11 @@ def for_marking(scan: LaserScan, slam_range: float) -> Ranges:
 
 
 def for_clearing(scan: LaserScan, slam_range: float, nearest_floor: float) -> Ranges:
-    """/scan_clear: how far ground was seen; NaN where that is nearer than nearest_floor [m], where none is in view."""
-    free = np.fmin(scan.free(), range_max(slam_range) - SHORT).astype(np.float32)
-    return np.where(free >= nearest_floor, free, NAN)
+    """/scan_clear: how far ground is known; NaN where that is nearer than nearest_floor [m], where none is in view.
+
+    Where no number ends it, it ends a CELL earlier: the last row of an image that shows floor may cover a CELL of it.
+    """
+    known, cell = np.fmin(known_ground(scan), scan.ranges), np.float32(CELL)
+    free = np.where(known >= scan.ranges - cell, known, np.maximum(known - cell, np.float32(0.0)))
+    free = np.minimum(free, np.float32(range_max(slam_range) - SHORT))
+    return np.where(free >= np.float32(nearest_floor), free, NAN)

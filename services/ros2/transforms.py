@@ -11,9 +11,12 @@ from cliffscan.common.contract.description import CameraDescription
 
 FOOTPRINT = "camera_footprint"  # the floor's point below the camera
 SCAN_FRAME = "camera_scan"  # above it
+CAMERA = "camera_link"  # the camera's eye: x forward, y left, z up
 Vector = tuple[float, float, float]
 Quaternion = tuple[float, float, float, float]  # x, y, z, w
 LEVEL: Quaternion = (0.0, 0.0, 0.0, 1.0)
+OPTICAL: Quaternion = (-0.5, 0.5, -0.5, 0.5)  # from forward, left, up to right, down, forward (REP-103)
+FROM_OPTICAL = np.array([[0.0, -1.0, 0.0], [0.0, 0.0, -1.0], [1.0, 0.0, 0.0]])  # the same as a matrix, the other way
 
 
 class Transform(NamedTuple):
@@ -40,10 +43,10 @@ def of_camera(camera: CameraDescription, base_frame: str, scan_height: float, st
         Transform(stamp, FOOTPRINT, SCAN_FRAME, (0.0, 0.0, scan_height), LEVEL),
     ]
     if camera.height is not None and camera.pitch is not None and camera.roll is not None:
-        floor = FloorPlane.from_mount(camera.height, camera.pitch, camera.roll)
-        known.append(
-            Transform(stamp, FOOTPRINT, camera.frame, (0.0, 0.0, camera.height), quaternion(np.stack(axes(floor))))
-        )
+        optical = np.stack(axes(FloorPlane.from_mount(camera.height, camera.pitch, camera.roll)))
+        eye = (0.0, 0.0, camera.height)
+        known.append(Transform(stamp, FOOTPRINT, CAMERA, eye, quaternion(optical @ FROM_OPTICAL)))
+        known.append(Transform(stamp, CAMERA, camera.frame, (0.0, 0.0, 0.0), OPTICAL))
     return known
 
 

@@ -22,6 +22,7 @@ SCANS = (
     "scan/negative/virtual_floor",
     "scan/negative",
     "scan/fused",
+    "scan/safe",
 )
 THREE = ("negative", "positive", "fuse")
 PARTS = (*THREE, "perception")

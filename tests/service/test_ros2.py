@@ -10,7 +10,9 @@ import msgpack
 import numpy as np
 import pytest
 import xxhash
+import zenoh
 
+from cliffscan.services.ros2 import interfaces
 from tests.build import depth_fields, status_fields
 from tests.ros2_peer import ROS, Peer
 from tests.service.conftest import DEADLINE, scan
@@ -90,20 +92,25 @@ def test_the_node_and_its_topics_are_in_the_graph(client, start, peer):
     (node,) = [token for token in tokens if token[5] == "NN"]
     zid = node[2]
     assert node == ["@ros2_lv", "0", zid, "0", "0", "NN", "%", "%", "cliffscan"]
-    endpoints = [token for token in tokens if token[5] in ("MP", "MS")]
+    endpoints = [token for token in tokens if token[5] in ("MP", "MS", "SS")]
     assert all(token[2:4] == [zid, "0"] and token[6:9] == ["%", "%", "cliffscan"] for token in endpoints)
     assert len({token[4] for token in endpoints}) == len(endpoints)
     published = {token[9].replace("%", "/") for token in endpoints if token[5] == "MP"}
     assert published == {
         "/scan", "/scan_marks", "/scan_clear", "/cliff_points", "/odom", "/tf", "/tf_static", "/imu/data",
-        "/battery_state", "/diagnostics", "/map", "/camera/depth/image_rect_raw", "/camera/depth/camera_info",
+        "/battery_state", "/diagnostics", "/map", "/robot_description",
+        "/camera/depth/image_rect_raw", "/camera/depth/camera_info",
     }  # fmt: skip
     assert {(token[9], token[10]) for token in endpoints if token[5] == "MS"} == {
         ("%cmd_vel", "geometry_msgs::msg::dds_::Twist_"),
         ("%cmd_vel", "geometry_msgs::msg::dds_::TwistStamped_"),
     }
+    assert {(token[9], token[10]) for token in endpoints if token[5] == "SS"} == {
+        ("%cliffscan%stop", "std_srvs::srv::dds_::Trigger_"),
+        ("%cliffscan%clear_safety", "std_srvs::srv::dds_::Trigger_"),
+    }
     latched = {token[9] for token in endpoints if token[12].startswith("1:1:1,1:")}
-    assert latched == {"%map", "%tf_static"}
+    assert latched == {"%map", "%tf_static", "%robot_description"}
 
 
 def test_the_node_leaves_the_graph_with_its_process(client, start, peer):
@@ -124,7 +131,7 @@ def test_three_scans_and_a_cloud(client, start, peer, repeat):
     nan = math.nan
     np.testing.assert_allclose(got["scan"].ranges, [1.5, nan, 4.49])
     np.testing.assert_allclose(got["scan_marks"].ranges, [1.5, 3.0, nan])
-    np.testing.assert_allclose(got["scan_clear"].ranges, [1.5, 1.2, 4.0])
+    np.testing.assert_allclose(got["scan_clear"].ranges, [1.5, 1.15, 3.95], rtol=1e-6)
     assert {(each.range_max, each.header.frame_id) for each in got.values()} == {(4.5, "camera_scan")}
     assert list(cloud.get().data.view("<f4").reshape(-1, 4)[:, 3]) == [2.0, 1.0]
 
@@ -182,7 +189,7 @@ def test_a_late_joiner_gets_the_static_transforms_and_the_map(client, start, pee
     late = Peer(client.endpoint)
     try:
         frames = {each.child_frame_id: each for each in late.subscribe("tf_static", TF, True).get().transforms}
-        assert frames.keys() == {"camera_footprint", "camera_scan", "camera_depth_optical_frame"}
+        assert frames.keys() == {"camera_footprint", "camera_scan", "camera_link", "camera_depth_optical_frame"}
         assert frames["camera_footprint"].transform.translation.x == -0.087
         assert list(late.subscribe("map", "nav_msgs/msg/OccupancyGrid", True).get().data) == [0, 100]
     finally:
@@ -230,13 +237,14 @@ def test_nothing_is_received_that_nobody_wants(client, start, peer):
 
 
 def test_a_twist_drives_and_one_that_is_broken_is_counted(client, start, peer):
-    start("ros2", "--set", "ros2.priority=5")
+    driver = "ros2.commands.teleop"
+    start("ros2", "--set", f"{driver}.priority=5", "--set", f"{driver}.topic=cmd_vel_teleop")
     velocities, status = client.listen("base/cmd_vel"), client.listen("status/ros2")
-    peer.publish("cmd_vel", TWIST, twist(math.nan, 0.0))
-    peer.publish("cmd_vel", TWIST, twist(0.2, -0.5))
+    peer.publish("cmd_vel_teleop", TWIST, twist(math.nan, 0.0))
+    peer.publish("cmd_vel_teleop", TWIST, twist(0.2, -0.5))
     got = velocities.get()
     assert abs(got["stamp"] - time.time_ns()) < 10e9
-    assert {**got, "stamp": 0} == {"stamp": 0, "linear": 0.2, "angular": -0.5, "source": "ros2", "priority": 5}
+    assert {**got, "stamp": 0} == {"stamp": 0, "linear": 0.2, "angular": -0.5, "source": "teleop", "priority": 5}
     assert status.until(lambda message: message["counts"].get("malformed"))["counts"]["malformed"] == 1
 
 
@@ -290,3 +298,23 @@ def test_a_scan_with_other_beams_is_no_scan_of_this_scanner(client, start, peer,
     status = client.listen("status/ros2")
     assert status.until(lambda message: message["counts"].get("mismatch"))["counts"]["mismatch"] == 1
     assert {len(heard.get().ranges) for _ in range(20)} == {3}
+
+
+def test_a_service_that_nobody_can_do_says_so_and_needs_its_own_name(client, start, peer):
+    start("ros2")
+    peer.tokens_when(lambda tokens: any(token[5] == "SS" for token in tokens))
+    key = f"0/cliffscan/stop/{interfaces.TRIGGER.dds_name}/{interfaces.TRIGGER.type_hash}"
+    request = {
+        "payload": b"\0\1\0\0\0",
+        "attachment": struct.pack("<qqB16s", 42, time.time_ns(), 16, bytes(range(16))),
+        "target": zenoh.QueryTarget.ALL,
+        "timeout": DEADLINE,
+    }
+    assert not list(peer.session.get("0/cliffscan/*/**", **request))
+    (reply,) = peer.session.get(key, **request)
+    assert struct.unpack("<qqB16s", reply.ok.attachment.to_bytes())[::2] == (42, 16)
+    assert reply.ok.payload.to_bytes()[4] == 0
+    assert b"nobody answers base/command/stop" in reply.ok.payload.to_bytes()
+    assert not list(peer.session.get(key, **(request | {"attachment": b"short"})))
+    status = client.listen("status/ros2")
+    assert status.until(lambda message: message["counts"].get("malformed"))["counts"]["malformed"] == 1

@@ -251,7 +251,7 @@ def test_a_camera_that_no_receiver_takes_is_refused_with_the_reason(override, na
     assert named in refusal("capture", None, override)
 
 
-@pytest.mark.parametrize("key", ["scan/fused", "camera/depth", "status/fuse"])
+@pytest.mark.parametrize("key", ["scan/fused", "scan/safe", "camera/depth", "status/fuse"])
 def test_an_extra_input_is_a_scan_of_somebody_else(key):
     assert "fuse.inputs" in refusal("fuse", None, f"fuse.inputs.lidar.key={key}")
 

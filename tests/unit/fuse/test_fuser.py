@@ -1,6 +1,7 @@
 """Fuse publishes one scan for a frame whose scans are all there, and counts what it cannot complete."""
 
 import math
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -70,6 +71,23 @@ def test_a_complete_frame_is_published_at_once(plain):
     assert_array_equal(fused.ranges, np.float32([2, 1]))
     assert plain.service.metrics.take_outputs() == 1
     assert plain.counts == {"published": 1}
+
+
+@pytest.mark.parametrize("subscribed", [True, False])
+def test_the_safe_scan_is_made_while_somebody_subscribes(clock, monkeypatch, subscribed):
+    def publisher(bus, topic):
+        return SimpleNamespace(put=bus.said[topic.path].append, has_subscribers=subscribed)
+
+    monkeypatch.setattr(build.Bus, "publisher", publisher)
+    rig = Rig(FuseConfig())
+    for side, clear in (("positive", [2.0, 5.0]), ("negative", [1.0, 5.0])):
+        rig.fuser.take(side, scan([2.0, INF], clear=clear, stamp=7))
+    (fused,), safe = rig.said, rig.service.bus.said["scan/safe"]
+    assert_array_equal(fused.ranges, np.float32([2, INF]))
+    assert len(safe) == subscribed
+    for each in safe:
+        assert each.stamp == 7
+        assert_array_equal(each.ranges, np.float32([NAN, INF]))
 
 
 def test_half_a_frame_is_never_published_but_counted(plain, clock, caplog):

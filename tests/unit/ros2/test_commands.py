@@ -39,32 +39,32 @@ def stamped(stamp, frame):
 
 def test_a_twist_is_of_now():
     before = time.time_ns()
-    velocity = commands.twist(written(twist(), "geometry_msgs/msg/Twist"), 7)
+    velocity = commands.twist(written(twist(), "geometry_msgs/msg/Twist"), "ros2", 7)
     assert before <= velocity.stamp <= time.time_ns()
     assert (velocity.linear, velocity.angular, velocity.source, velocity.priority) == (0.2, -0.5, "ros2", 7)
 
 
 @pytest.mark.parametrize("frame", ["", "b", "base_link", "a frame with 'ümlaut"])
 def test_a_stamped_twist_keeps_its_stamp_whatever_its_frame(frame):
-    velocity = commands.twist_stamped(stamped(123_456_789_012, frame), 0)
+    velocity = commands.twist_stamped(stamped(123_456_789_012, frame), "joystick", 0)
     assert (velocity.stamp, velocity.linear, velocity.angular) == (123_456_789_012, 0.2, -0.5)
 
 
 def test_a_stamped_twist_without_a_stamp_is_of_now():
-    assert abs(commands.twist_stamped(stamped(0, "base_link"), 0).stamp - time.time_ns()) < 60_000 * MS
+    assert abs(commands.twist_stamped(stamped(0, "base_link"), "", 0).stamp - time.time_ns()) < 60_000 * MS
 
 
 @pytest.mark.parametrize("speed", [math.nan, math.inf, 1e9])
 def test_an_impossible_twist_is_refused(speed):
     with pytest.raises(MessageError, match="linear"):
-        commands.twist(written(twist(linear=speed), "geometry_msgs/msg/Twist"), 0)
+        commands.twist(written(twist(linear=speed), "geometry_msgs/msg/Twist"), "", 0)
 
 
 def test_bytes_that_are_too_few_are_refused():
     whole = messages.twist(0.2, 0.0)
     for length in range(4, len(whole)):
         with pytest.raises(CdrError, match="ends after"):
-            commands.twist(Reader(whole[:length]), 0)
+            commands.twist(Reader(whole[:length]), "", 0)
 
 
 @pytest.mark.parametrize("payload", [b"", b"\x00", b"\x00\x00\x00\x00", b"\x00\x03\x00\x00", b"\x93\x01\x02\x03"])

@@ -1,4 +1,6 @@
-"""A hole that nobody could look into, with a wall behind it, mapped as slam_toolbox and Nav2 would."""
+"""Ground that nobody saw, mapped as slam_toolbox and Nav2 would: a hole before a wall, and drives past stairs."""
+
+import math
 
 import numpy as np
 import pytest
@@ -8,6 +10,9 @@ from cliffscan.common.contract.messages import DepthImage
 from cliffscan.services.negative.config import NegativeConfig
 from cliffscan.services.perception.perceive import Settings, perceive
 from cliffscan.services.ros2.scans import for_clearing, for_marking, for_slam, range_max
+from cliffscan.simulator.camera import SimulatedKinect
+from cliffscan.simulator.world import Pose
+from evaluation.truth.world_truth import Ground, nearest
 from tests.ros2_consumers import CELL, Area, Karto, ObstacleLayer, Scan, collision_monitor_points
 from tests.scenes import depth
 
@@ -91,3 +96,71 @@ def test_a_hole_that_is_seen_is_marked_at_its_edge(seen, model):
     edge = points[(np.abs(points[:, 1]) < SIDE - CELL) & (points[:, 0] < FAR)]
     assert len(edge) > 10
     np.testing.assert_allclose(edge[:, 0], NEAR, atol=2 * CELL)
+
+
+def past_the_stairs():
+    """Towards the stairs, to the right until the robot looks back, back, and round to the right again."""
+    ahead, turn = np.linspace(0.0, 1.5, 11), np.radians(np.arange(0, -180, -12))
+    yield from (Pose(x, 0.0, 0.0) for x in ahead)
+    yield from (Pose(1.5, 0.0, yaw) for yaw in turn)
+    yield from (Pose(x, 0.0, math.pi) for x in ahead[::-1])
+    yield from (Pose(0.0, 0.0, math.pi + yaw) for yaw in turn)
+
+
+class Maps:
+    """Maps of a drive: by `/scan`, by `/scan_marks` and `/scan_clear`, and by the ranges of `scan/fused` alone."""
+
+    AREA = Area(-3.0, 8.0)
+
+    def __init__(self, world, floor_lost) -> None:
+        self._slam, self._slam_alone = Karto(self.AREA, SLAM_RANGE), Karto(self.AREA, SLAM_RANGE)
+        self._layer, self._layer_alone = (ObstacleLayer(self.AREA, SLAM_RANGE, NEAREST) for _ in range(2))
+        kinect = SimulatedKinect(world, seed=1)
+        settings = Settings(NegativeConfig(floor_lost=floor_lost))
+        for number, pose in enumerate(past_the_stairs()):
+            kinect.move(pose)
+            image = DepthImage.pack(number, number, "eye", kinect.frame(), kinect.camera, "16UC1")
+            self._add(perceive(image, settings).fused, pose)
+        self._ground = Ground.of(kinect.world)
+
+    def _add(self, scan, pose):
+        def seen(ranges):
+            return Scan(ranges, scan.grid().angles(), range_max(SLAM_RANGE), pose)
+
+        self._slam.add(seen(for_slam(scan, SLAM_RANGE)))
+        self._slam_alone.add(seen(scan.ranges))
+        self._layer.update(seen(for_marking(scan, SLAM_RANGE)), seen(for_clearing(scan, SLAM_RANGE, NEAREST)))
+        self._layer_alone.update(seen(scan.ranges), seen(scan.ranges))
+
+    def free(self):
+        """For each map the area [m²] free on the floor, and that of free cells wholly beyond an edge."""
+        maps = {
+            "slam": self._slam,
+            "layer": self._layer,
+            "slam alone": self._slam_alone,
+            "layer alone": self._layer_alone,
+        }
+        return {name: self._areas(np.flatnonzero(made.cells() == 0)) for name, made in maps.items()}
+
+    def _areas(self, cells):
+        row, column = np.divmod(cells, self.AREA.side)
+        centres = self.AREA.low + (np.stack([column, row], axis=1) + 0.5) * CELL
+        floor = self._ground.inside("floor", centres)
+        off = centres[~floor & ~self._ground.inside("obstacle", centres)]
+        beyond = nearest(off, self._ground.edges) >= CELL / 2
+        return floor.sum() * CELL**2, beyond.sum() * CELL**2
+
+
+@pytest.mark.parametrize(
+    ("world", "floor_lost", "by_slam_alone", "by_layer_alone", "floor"),
+    [("landing", "ignored", 0.15, 1.5, 10.0), ("stairs_corridor", "counts", 0.02, 0.7, 5.0)],
+)
+def test_no_cell_beyond_the_stairs_is_free_where_ranges_alone_would_free_many(
+    world, floor_lost, by_slam_alone, by_layer_alone, floor
+):
+    free = Maps(world, floor_lost).free()
+    for name in ("slam", "layer"):
+        assert free[name][1] == 0.0, name
+        assert free[name][0] > floor, name
+    assert free["slam alone"][1] > by_slam_alone
+    assert free["layer alone"][1] > by_layer_alone

@@ -36,18 +36,28 @@ def test_a_heading_comes_back(theta):
 
 def test_the_scans_frame_stands_over_the_point_below_the_camera():
     made = CameraDescription.of(camera(mount=(0.4, 0.2, 0.0)), "eye", False, Place(-0.1, 0.05, 0.5))
-    footprint, scan, eye = of_camera(made, "base_footprint", 0.12, stamp=5)
-    assert (footprint.parent, footprint.child, scan.parent, eye.child) == (
-        "base_footprint",
-        "camera_footprint",
-        "camera_footprint",
-        "eye",
-    )
+    footprint, scan, eye, optical = of_camera(made, "base_footprint", 0.12, stamp=5)
+    assert [(each.parent, each.child) for each in (footprint, scan, eye, optical)] == [
+        ("base_footprint", "camera_footprint"),
+        ("camera_footprint", "camera_scan"),
+        ("camera_footprint", "camera_link"),
+        ("camera_link", "eye"),
+    ]
     assert (footprint.translation, heading_of(footprint.rotation)) == ((-0.1, 0.05, 0.0), pytest.approx(0.5))
-    assert (scan.child, scan.translation) == ("camera_scan", (0.0, 0.0, 0.12))
-    assert eye.translation == (0.0, 0.0, pytest.approx(0.4))
-    ahead = rotated(eye.rotation, [0.0, 0.0, 1.0])  # the optical axis, which looks down
-    np.testing.assert_allclose(ahead, [math.cos(0.2), 0.0, -math.sin(0.2)], atol=1e-12)
+    assert scan.translation == (0.0, 0.0, 0.12)
+    assert (eye.translation, optical.translation) == ((0.0, 0.0, pytest.approx(0.4)), (0.0, 0.0, 0.0))
+
+
+@pytest.mark.parametrize("mount", [(0.4, 0.2, 0.0), (0.3, -0.1, 0.3), (0.5, 0.9, -1.5)])
+def test_the_optical_frame_looks_as_rep_103_has_it_from_where_the_camera_stands(mount):
+    made = CameraDescription.of(camera(mount=mount), "eye", False)
+    *_, eye, optical = of_camera(made, "base_link", 0.12, stamp=5)
+    for ours, theirs in (([0, 0, 1], [1, 0, 0]), ([1, 0, 0], [0, -1, 0]), ([0, 1, 0], [0, 0, -1])):
+        np.testing.assert_allclose(rotated(optical.rotation, ours), theirs, atol=1e-12)
+    to_floor = np.stack(axes(FloorPlane.from_mount(*mount)))
+    for axis in np.eye(3):
+        turned = rotated(eye.rotation, rotated(optical.rotation, axis))
+        np.testing.assert_allclose(turned, to_floor @ axis, atol=1e-9)
 
 
 def test_the_eye_of_an_unknown_mount_is_left_out():
