@@ -6,6 +6,7 @@ from pathlib import Path
 from mcap.records import Attachment, Channel, Header, Message, Metadata, Schema
 from mcap.writer import Writer
 
+from cliffscan.recording.errors import RecordingError
 from cliffscan.recording.reading import McapRecords
 from cliffscan.recording.words import duration, size
 
@@ -15,6 +16,8 @@ NO_SCHEMA = 0
 def recover(broken: Path, fixed: Path) -> int:
     """Copy every message that can be read, of any MCAP file. Raises RecordingError, FileExistsError and OSError."""
     records = McapRecords(broken)
+    if not isinstance(next(iter(records), None), Header):
+        raise RecordingError(f"{broken} holds no whole record: there is nothing to recover")
     with fixed.open("xb") as file:
         writer = _Copy(Writer(file))
         for record in records:

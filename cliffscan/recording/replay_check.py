@@ -17,8 +17,10 @@ from cliffscan.common.contract.topics import (
     SCAN_NEGATIVE,
     SCAN_OF_METHOD,
     SCAN_POSITIVE,
+    SCAN_SAFE,
     topic_at,
 )
+from cliffscan.common.perception.known_ground import safe_scan
 from cliffscan.common.runtime.raw_samples import RawSample
 from cliffscan.recording.envelope import NATIVE, wrap
 from cliffscan.recording.errors import RecordingError
@@ -30,6 +32,7 @@ from cliffscan.services.perception import configs
 from cliffscan.services.perception.perceive import Settings, perceive
 
 Frame = tuple[int, int]  # seq and stamp, which a scan has of its depth image
+COMBINED = tuple(topic.path for topic in (SCAN_POSITIVE, SCAN_NEGATIVE, SCAN_FUSED, SCAN_SAFE))
 WIDTH = 160  # characters of a table that no terminal shows
 WAITING = 64  # frames and scans that may wait for one another
 
@@ -94,9 +97,9 @@ class ReplayCheck:
         self.frames += 1
         scans = perceive(image, self._settings)
         by_method = {SCAN_OF_METHOD.named(name).path: scan for name, scan in scans.by_method.items()}
-        combined = {SCAN_POSITIVE: scans.positive, SCAN_NEGATIVE: scans.negative, SCAN_FUSED: scans.fused}
+        made = (scans.positive, scans.negative, scans.fused, safe_scan(scans.fused))
         frame = image.seq, image.stamp
-        self._frames[frame] = image, by_method | {topic.path: scan for topic, scan in combined.items()}
+        self._frames[frame] = image, by_method | dict(zip(COMBINED, made, strict=True))
         _forget(self._frames)
         for path in self._frames[frame][1]:
             then = self._waiting.pop((path, frame), None)
@@ -127,7 +130,7 @@ class ReplayCheck:
 def _is_made(path: str) -> bool:
     """Whether a scan at a path is made of a depth image."""
     methods = {SCAN_OF_METHOD.named(name).path for name in METHODS}
-    return path in methods | {SCAN_POSITIVE.path, SCAN_NEGATIVE.path, SCAN_FUSED.path}
+    return path in methods.union(COMBINED)
 
 
 def _forget(held: dict[Any, Any]) -> int:
@@ -148,7 +151,7 @@ def replay_check(
     recording = Recording(path)
     configured = configs.load(*config)
     settings = Settings(configured["negative"], configured["positive"], tuple(METHODS))
-    skipped = (SCAN_FUSED.path,) if configured["fuse"].inputs else ()
+    skipped = (SCAN_FUSED.path, SCAN_SAFE.path) if configured["fuse"].inputs else ()
     check = ReplayCheck(settings, limits, skipped)
     if renewed:
         with McapFile(renewed, recording.robot) as file:

@@ -65,6 +65,13 @@ def test_no_file_is_overwritten(refused, empty, tmp_path):
     assert refused("record", tmp_path / "drive.mcap", "--split-time", "9").startswith(f"cliffscan: {first} is there")
 
 
+def test_a_file_without_a_whole_record_is_not_recovered(refused, empty, tmp_path):
+    empty.write_bytes(empty.read_bytes()[:12])
+    line = refused("recover", empty, tmp_path / "fixed.mcap")
+    assert line == f"cliffscan: {empty} holds no whole record: there is nothing to recover"
+    assert not (tmp_path / "fixed.mcap").exists()
+
+
 def test_a_folder_that_is_not_there_and_a_full_disk_are_named(refused, tmp_path):
     assert refused("record", tmp_path / "none/a.mcap") == f"cliffscan: {tmp_path / 'none'}: No such file or directory"
     line = refused("record", tmp_path / "a.mcap", "--reserve", "900000G")
@@ -81,7 +88,7 @@ def test_a_folder_that_is_not_there_and_a_full_disk_are_named(refused, tmp_path)
         ),
         (["--split-size", "2 GB"], "'2 GB' is no size: a number of bytes, or one with k, M or G, as 500M"),
         (["--split-time", "0"], "0, expected a number above 0"),
-        (["--images", "-1"], "-1 Hz, expected 0 to 1000"),
+        (["--images", "-1"], "-1, expected 0 or more"),
         (["--images", "1", "--no-ros"], "not allowed with argument"),
     ],
 )

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from cliffscan.common.contract.messages import LaserScan
+from cliffscan.common.perception.known_ground import safe_scan
 from cliffscan.common.runtime.raw_samples import RawSample
 from cliffscan.recording.errors import RecordingError
 from cliffscan.recording.parts import Limits as Size
@@ -61,6 +62,12 @@ def frame():
 def fused(settings=None, **changes):
     scan = perceive(IMAGE, settings or Settings()).fused
     return sample("scan/fused", scan.model_copy(update=changes))
+
+
+def test_the_scan_that_is_safe_to_read_alone_is_compared_too():
+    safe = safe_scan(perceive(IMAGE, Settings()).fused)
+    check = checked(frame(), sample("scan/safe", safe))
+    assert (check.tallies["scan/safe"].scans, check.worst.share) == (1, 0.0)
 
 
 def moved(beams, by):
