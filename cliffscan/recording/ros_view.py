@@ -8,6 +8,7 @@ from cliffscan.common.contract.message import Message, MessageError
 from cliffscan.common.contract.topics import DEPTH, Topic
 from cliffscan.common.runtime.decoder import Decoder
 from cliffscan.common.runtime.metrics import ServiceMetrics
+from cliffscan.common.runtime.pace import Pace
 from cliffscan.common.runtime.raw_samples import RawSample, key_matcher
 from cliffscan.recording.mcap_file import RosTopic
 from cliffscan.services.ros2.config import Ros2Config
@@ -56,6 +57,7 @@ class RosView:
         """Write what is made of a sample."""
         if sample.path == DEPTH.path and not self._image_due(sample.received):
             return
+        self.bus.now = sample.received
         for receive in self.bus.receivers(sample.path):
             receive(sample.path, sample.payload)
 
@@ -84,6 +86,7 @@ class _Samples:
 
     def __init__(self, robot: str) -> None:
         self.robot = robot
+        self.now = 0  # [ns] when the sample came that is taken
         self._receivers: list[tuple[Callable[[str], bool], Receive]] = []
         self.receivers = lru_cache(1024)(self._find)
 
@@ -94,11 +97,22 @@ class _Samples:
         self,
         path: str,
         receive: Receive,
-        room: int = 0,  # noqa: ARG002 - nothing waits
-        rate: float | None = None,  # noqa: ARG002
+        room: int = 1,
+        rate: float | None = None,
         refused: Callable[[str, MessageError], object] | None = None,  # noqa: ARG002 - sizes are checked before
     ) -> None:
-        self._receivers.append((key_matcher([path]), receive))
+        """As of the bus, but what would wait for its turn is left out."""
+        pace = Pace(rate, room) if rate else None
+
+        def take(path: str, payload: bytes) -> None:
+            now = self.now / SECOND
+            if not pace:
+                receive(path, payload)
+            elif pace.delay(now) == 0.0:
+                pace.spend(now)
+                receive(path, payload)
+
+        self._receivers.append((key_matcher([path]), take))
 
     def retract(self) -> None:
         """Nothing is taken back: every topic is wanted for as long as the recording lasts."""

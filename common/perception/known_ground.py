@@ -29,10 +29,10 @@ def known_ground(scan: LaserScan) -> Ranges:
     width = int(BESIDE / scan.angle_increment)
     if not len(scan.clear) or not width:
         return clear
+    edge = np.zeros(len(clear), bool)
     if len(scan.intensities):
-        edge = np.logical_or.reduce([scan.intensities == each for each in EDGES])
-    else:
-        edge = np.zeros(len(clear), bool)
+        for evidence in map(float, EDGES):  # numpy compares with an enumeration five times as slowly
+            edge |= scan.intensities == evidence
     unseen = np.zeros(width, np.float32)
     edges = np.concatenate([unseen, np.where(edge, scan.ranges, INF), unseen])
     return np.where(edge, clear, np.minimum(clear, least_of(edges, 2 * width + 1)))

@@ -1,7 +1,7 @@
 """CDR, the bytes of ROS 2 messages: little-endian, each number aligned to its size. Source: OMG DDSI-RTPS, XCDR1."""
 
 import struct
-from functools import lru_cache
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -16,6 +16,12 @@ class CdrError(ValueError):
     """Bytes are not the message that they should be; the text says why."""
 
 
+@cache
+def packer(code: str, count: int) -> struct.Struct:
+    """What packs and unpacks so many numbers of struct's code."""
+    return struct.Struct(f"<{count}{code}")
+
+
 class Writer:
     """Builds a message field by field, in the order of its definition."""
 
@@ -24,9 +30,9 @@ class Writer:
 
     def numbers(self, code: str, *values: float) -> None:
         """Numbers of one type by struct's code, as a fixed-size array has them: without a length."""
-        packer, size = _packer(code, len(values))
-        self._align(size)
-        self._bytes += packer.pack(*values)
+        written = packer(code, len(values))
+        self._align(written.size // len(values))
+        self._bytes += written.pack(*values)
 
     def text(self, text: str) -> None:
         """A string."""
@@ -59,15 +65,7 @@ class Writer:
         return bytes(self._bytes)
 
     def _align(self, size: int) -> None:
-        missing = -(len(self._bytes) - len(HEADER)) % size
-        if missing:
-            self._bytes += bytes(missing)
-
-
-@lru_cache(256)
-def _packer(code: str, count: int) -> tuple[struct.Struct, int]:
-    """What packs so many numbers of one type, and the size [bytes] of one."""
-    return struct.Struct(f"<{count}{code}"), struct.calcsize(code)
+        self._bytes += bytes(-(len(self._bytes) - len(HEADER)) % size)
 
 
 class Reader:

@@ -1,6 +1,5 @@
 """A topic of the robot that travels to this process only while somebody in ROS subscribes to what is made of it."""
 
-import time
 from collections.abc import Callable, Sequence
 from typing import Any, Generic, TypeVar
 
@@ -12,48 +11,43 @@ from cliffscan.services.ros2.cdr import CdrError
 from cliffscan.services.ros2.ports import Publisher, Service
 
 M = TypeVar("M", bound=Message)
+T = TypeVar("T")
 
 
-class Output(Generic[M]):
-    """A ROS topic, and how its message is made of ours, or None of one that makes none.
+class Output(Generic[T]):
+    """A ROS topic, and how its message is made of one of ours, or None of one that makes none."""
 
-    With a period [s] nothing is published more often than that.
-    """
-
-    def __init__(self, publisher: Publisher, convert: Callable[[M], bytes | None], period: float = 0.0) -> None:
+    def __init__(self, publisher: Publisher, convert: Callable[[T], bytes | None]) -> None:
         self._publisher = publisher
         self._convert = convert
-        self._period = period
-        self._next = 0.0
 
     @property
     def wanted(self) -> bool:
         """Whether anybody would receive it."""
         return self._publisher.has_subscribers
 
-    def publish(self, message: M) -> None:
+    def publish(self, message: T) -> None:
         """Convert a message and publish it, if anybody would receive it. Raises CdrError."""
-        now = time.monotonic()
-        if now >= self._next and self.wanted:
+        if self.wanted:
             payload = self._convert(message)
             if payload is not None:
-                self._next = now + self._period
                 self._publisher.put(payload)
 
 
 class Feed(Generic[M]):
     """Receives `topic` while an output is wanted, and hands each good message to `accept`.
 
-    room: how many messages may wait; the oldest is dropped first.
+    room: how many messages may wait; the oldest is dropped first. rate [Hz]: at which they are looked at, at most.
     """
 
     def __init__(
         self,
         service: Service[Any],
         topic: Topic[M],
-        outputs: Sequence[Output[M]],
+        outputs: Sequence[Output[Any]],
         accept: Callable[[M], object] | None = None,
         room: int = ROOM,
+        rate: float = RATE,
     ) -> None:
         self._bus = service.bus.beside(service.bus.robot)
         self._metrics = service.metrics
@@ -61,10 +55,11 @@ class Feed(Generic[M]):
         self._outputs = outputs
         self._accept = accept or self.publish
         self._room = room
+        self._rate = rate
         self._receiving = False
 
-    def publish(self, message: M) -> None:
-        """Publish all that is made of a message."""
+    def publish(self, message: object) -> None:
+        """Publish what every output makes of a message, or of what `accept` made of one."""
         for output in self._outputs:
             try:
                 output.publish(message)
@@ -88,4 +83,4 @@ class Feed(Generic[M]):
             if message is not None:
                 self._accept(message)
 
-        self._bus.subscribe(self._topic.path, arrived, self._room, RATE, decoder.refused)
+        self._bus.subscribe(self._topic.path, arrived, self._room, self._rate, decoder.refused)

@@ -7,6 +7,7 @@ Source: common_interfaces and tf2_msgs, of Jazzy.
 
 import math
 from collections.abc import Mapping, Sequence
+from functools import lru_cache
 from itertools import product
 
 import numpy as np
@@ -14,13 +15,16 @@ from numpy.typing import NDArray
 
 from cliffscan.common.contract.base_messages import BaseState, Imu, Odometry
 from cliffscan.common.contract.beam_fields import Ranges
+from cliffscan.common.contract.beam_grid import Grid
 from cliffscan.common.contract.map_messages import OccupancyGrid
 from cliffscan.common.contract.messages import DepthImage, LaserScan
 from cliffscan.services.ros2.cdr import Writer
 from cliffscan.services.ros2.transforms import Transform, heading
 
 PLANE = (0, 1, 5)  # x, y and the rotation about z, of the six dimensions of a covariance
+PLANAR = [6 * row + column for row, column in product(PLANE, PLANE)]  # their places in one, row by row
 NOT_MEASURED = 1e6  # variance of what no sensor measures
+UNMEASURED = [NOT_MEASURED if place % 7 == 0 else 0.0 for place in range(36)]
 HEADING_VARIANCE = 0.05  # [rad²] of the gyro's own heading, as kobuki_node has it
 FLOAT32, POINT_STEP = 7, 16  # of a PointField; [bytes] of x, y, z and intensity
 POINT_FIELDS = ("x", "y", "z", "intensity")
@@ -49,9 +53,8 @@ def laser_scan(scan: LaserScan, ranges: Ranges, frame: str, range_max: float) ->
 def point_cloud(scan: LaserScan, frame: str) -> bytes:
     """A sensor_msgs/PointCloud2 of a scan's numbers, in its own plane, with the evidence as intensity."""
     hit = np.isfinite(scan.ranges)
-    ranges, angles = scan.ranges[hit], scan.grid().angles()[hit]
-    points = np.zeros((len(ranges), len(POINT_FIELDS)), "<f4")
-    points[:, 0], points[:, 1] = ranges * np.cos(angles), ranges * np.sin(angles)
+    points = np.zeros((np.count_nonzero(hit), len(POINT_FIELDS)), "<f4")
+    points[:, :2] = scan.ranges[hit][:, None] * directions(scan.grid())[hit]
     if len(scan.intensities):
         points[:, 3] = scan.intensities[hit]
     writer = Writer()
@@ -67,6 +70,13 @@ def point_cloud(scan: LaserScan, frame: str) -> bytes:
     writer.sequence(points.view(np.uint8).ravel())
     writer.numbers("?", True)
     return writer.payload()
+
+
+@lru_cache(maxsize=1)
+def directions(grid: Grid) -> NDArray[np.float32]:
+    """A metre along each beam, x and y: (beams, 2)."""
+    angles = grid.angles()
+    return np.stack([np.cos(angles), np.sin(angles)], axis=1).astype(np.float32)
 
 
 def odometry(message: Odometry, base_frame: str) -> bytes:
@@ -206,9 +216,9 @@ def twist_stamped(stamp: int, frame: str, linear: float, angular: float) -> byte
 
 def _covariance(planar: Sequence[float]) -> list[float]:
     """The covariance 6 x 6 of one of x, y and theta, 3 x 3; the other dimensions are not measured."""
-    matrix = [NOT_MEASURED if place % 7 == 0 else 0.0 for place in range(36)]
-    for (row, column), value in zip(product(PLANE, PLANE), planar, strict=True):
-        matrix[6 * row + column] = value
+    matrix = UNMEASURED.copy()
+    for place, value in zip(PLANAR, planar, strict=True):
+        matrix[place] = value
     return matrix
 
 

@@ -9,6 +9,7 @@ from cliffscan.common.contract.beam_fields import Ranges
 from cliffscan.common.contract.beam_grid import Grid
 from cliffscan.common.contract.map_messages import OccupancyGrid, Pose2D
 from cliffscan.common.contract.messages import DepthImage, LaserScan, ServiceStatus
+from cliffscan.common.perception.known_ground import known_ground
 from cliffscan.services.ros2 import diagnostics, interfaces, messages, scans, transforms
 from cliffscan.services.ros2.config import Ros2Config
 from cliffscan.services.ros2.feed import Feed, Output
@@ -16,8 +17,9 @@ from cliffscan.services.ros2.map_frame import MapFrame
 from cliffscan.services.ros2.node import Profile
 from cliffscan.services.ros2.ports import Node, Service
 from cliffscan.services.ros2.robot_model import RobotModel
+from cliffscan.services.ros2.scans import KnownScan
 
-BATTERY_PERIOD = 1.0  # [s] between two states of the battery
+BATTERY_RATE = 1.0  # [Hz] of the battery's state, of which the base has 50
 NEWEST = 2  # depth images that may wait: one is converted meanwhile
 
 Maker = Callable[[Service[Ros2Config], Node], Feed[Any]]
@@ -41,22 +43,22 @@ class Scanner:
         self._config = service.config
         self._grid: Grid | None = None
         slam_range = self._config.slam_range
-        ranges: dict[str, Callable[[LaserScan], Ranges]] = {
-            "scan": lambda scan: scans.for_slam(scan, slam_range),
-            "scan_marks": lambda scan: scans.for_marking(scan, slam_range),
-            "scan_clear": lambda scan: scans.for_clearing(scan, slam_range, model.nearest_floor),
+        ranges: dict[str, Callable[[KnownScan], Ranges]] = {
+            "scan": lambda known: scans.for_slam(*known, slam_range),
+            "scan_marks": lambda known: scans.for_marking(known.scan, slam_range),
+            "scan_clear": lambda known: scans.for_clearing(*known, slam_range, model.nearest_floor),
         }
         outputs = [
             Output(node.publisher(topic, interfaces.LASER_SCAN, Profile.SENSOR_DATA), self._message(choose))
             for topic, choose in ranges.items()
         ]
         cloud = node.publisher("cliff_points", interfaces.POINT_CLOUD, Profile.SENSOR_DATA)
-        outputs.append(Output(cloud, lambda scan: messages.point_cloud(scan, transforms.SCAN_FRAME)))
+        outputs.append(Output(cloud, lambda known: messages.point_cloud(known.scan, transforms.SCAN_FRAME)))
         self.feed = Feed(service, topics.SCAN_FUSED, outputs, self._accept)
 
-    def _message(self, choose: Callable[[LaserScan], Ranges]) -> Callable[[LaserScan], bytes]:
+    def _message(self, choose: Callable[[KnownScan], Ranges]) -> Callable[[KnownScan], bytes]:
         range_max = scans.range_max(self._config.slam_range)
-        return lambda scan: messages.laser_scan(scan, choose(scan), transforms.SCAN_FRAME, range_max)
+        return lambda known: messages.laser_scan(known.scan, choose(known), transforms.SCAN_FRAME, range_max)
 
     def _accept(self, scan: LaserScan) -> None:
         grid = scan.grid()
@@ -65,7 +67,7 @@ class Scanner:
             why = f"a scan has {grid}, the first one had {self._grid}: restart ros2 and the SLAM after such a change"
             self._service.metrics.warn_limited("mismatch", why)
             return
-        self.feed.publish(scan)
+        self.feed.publish(KnownScan(scan, known_ground(scan)))
         self._service.metrics.output(scan.stamp)
 
 
@@ -103,8 +105,8 @@ def battery(service: Service[Ros2Config], node: Node) -> Feed[BaseState]:
     """/battery_state."""
     frame = service.config.base_frame
     publisher = node.publisher("battery_state", interfaces.BATTERY_STATE, Profile.DEFAULT)
-    output = Output[BaseState](publisher, lambda state: messages.battery_state(state, frame), BATTERY_PERIOD)
-    return Feed(service, topics.BASE_STATE, [output])
+    output = Output[BaseState](publisher, lambda state: messages.battery_state(state, frame))
+    return Feed(service, topics.BASE_STATE, [output], room=1, rate=BATTERY_RATE)
 
 
 def safe_commands(service: Service[Ros2Config], node: Node) -> Feed[Velocity]:

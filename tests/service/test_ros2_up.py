@@ -6,11 +6,10 @@ import threading
 
 import pytest
 import zenoh_ros2_sdk
-from zenoh_ros2_sdk import discovery
 
 from tests.service.conftest import free_endpoint
 from tests.service.test_ros2 import twist
-from tests.service.test_ros2_peers import DEADLINE, definition, heard_by_sdk, sdk  # noqa: F401 - a fixture
+from tests.service.test_ros2_peers import DEADLINE, definition, heard_by_sdk, publishers, sdk  # noqa: F401 - a fixture
 
 EDGE, RADIUS = 3.0, 0.1775  # [m] where the stairs of `landing` begin, and the robot's disc
 SPEED = 0.4  # [m/s]
@@ -24,10 +23,7 @@ def test_a_ros_node_drives_the_robot_which_stops_at_the_stairs(client, run, star
     start("ros2")
     for service in ("capture", "negative", "positive", "fuse", "kobuki"):
         client.wait_alive(service)
-    topics = dict(discovery.get_topic_names_and_types(**sdk, timeout=DEADLINE))
-    assert topics.keys() >= {"/scan", "/odom", "/tf", "/cmd_vel"}
-    (publisher,) = discovery.get_topic_info("/scan", **sdk, verbose=True).publishers
-    assert publisher.node_name == "cliffscan"
+    assert all(publishers(sdk, topic)[0].node_name == "cliffscan" for topic in ("/scan", "/odom", "/tf"))
     odometry = heard_by_sdk(sdk, "/odom", "nav_msgs/msg/Odometry")
     scans = heard_by_sdk(sdk, "/scan", "sensor_msgs/msg/LaserScan")
     transforms = heard_by_sdk(sdk, "/tf", "tf2_msgs/msg/TFMessage")

@@ -6,10 +6,23 @@ import pytest
 from ruamel.yaml import YAML
 
 from cliffscan.services.ros2.config import Ros2Config
+from cliffscan.services.ros2.node import Profile
+from cliffscan.services.ros2.outputs import feeds
 from cliffscan.services.ros2.scans import range_max
+from tests.build import service
 
 FOLDER = Path(__file__).parents[3] / "examples/ros2"
 SLAM_RANGE = Ros2Config().slam_range
+
+
+class StandIn:
+    """A node that notes what would be published."""
+
+    def __init__(self) -> None:
+        self.profiles = {}
+
+    def publisher(self, topic, _interface, profile):
+        self.profiles[f"/{topic}"] = profile
 
 
 def parameters(name):
@@ -54,3 +67,25 @@ def test_the_collision_monitors_stop_zone_reaches_beyond_the_blind_zone():
     assert [given[source]["topic"] for source in given["observation_sources"]] == ["/scan_marks"]
     corners = YAML(typ="safe").load(given["stop"]["points"])
     assert max(x for x, _ in corners) > 0.72
+
+
+def test_rviz_shows_topics_that_are_published_as_they_are_published():
+    shown = YAML(typ="safe").load((FOLDER / "cliffscan.rviz").read_text())["Visualization Manager"]
+    subscribed = {}
+    for display in shown["Displays"]:
+        for key in ("Topic", "Description Topic"):
+            if key in display:
+                topic = display[key]
+                subscribed[topic["Value"]] = topic["Reliability Policy"], topic["Durability Policy"]
+    published = {
+        Profile.SENSOR_DATA: ("Best Effort", "Volatile"),
+        Profile.LATCHED: ("Reliable", "Transient Local"),
+    }
+    made = StandIn()
+    robot = service("ros2", Ros2Config())
+    robot.bus.beside = lambda _name: robot.bus
+    feeds(robot, made)
+    assert subscribed == {topic: published[made.profiles[topic]] for topic in subscribed}
+    assert len(subscribed) == 6
+    assert shown["Global Options"]["Fixed Frame"] == "odom"
+    assert shown["Views"]["Current"]["Target Frame"] == Ros2Config().base_frame

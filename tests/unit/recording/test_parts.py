@@ -23,6 +23,22 @@ CAMERA = {
     "pitch": 0.0,
     "roll": 0.0,
 }
+STATE = {
+    "stamp": 7,
+    "bumpers": [False] * 3,
+    "cliffs": [False] * 3,
+    "cliff_counts": [2000] * 3,
+    "wheel_drops": [False] * 2,
+    "overcurrents": [False] * 2,
+    "currents": [0.1, 0.1],
+    "buttons": [False] * 3,
+    "battery_voltage": 15.0,
+    "battery_percent": 80.0,
+    "charger": "discharging",
+    "dock_ir": [0] * 3,
+    "digital_inputs": [False] * 4,
+    "analog_inputs": [0.0] * 4,
+}
 DESCRIPTION = RawSample("description", "application/msgpack", 7, b"", payload({"stamp": 7, "camera": CAMERA}))
 
 
@@ -122,3 +138,13 @@ def test_images_are_made_no_more_often_than_told(tmp_path):
     _, counts = by_rosbags(tmp_path / "a.mcap")
     assert counts["/cliffscan/native"] == 10
     assert counts["/camera/depth/image_rect_raw"] == counts["/camera/depth/camera_info"] == 2
+
+
+def test_a_battery_is_not_recorded_as_often_as_a_base_speaks(tmp_path):
+    with Parts(tmp_path / "a.mcap", "turtlebot", Limits(), images=0.0) as parts:
+        for number in range(500):  # 10 s
+            received = 10**18 + number * 20_000_000  # [ns]
+            parts.add(RawSample("base/state", "application/msgpack", received, b"", payload(STATE)))
+    _, counts = by_rosbags(tmp_path / "a.mcap")
+    assert counts["/cliffscan/native"] == 500
+    assert 10 <= counts["/battery_state"] <= 20

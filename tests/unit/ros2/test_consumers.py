@@ -7,6 +7,7 @@ import pytest
 
 from cliffscan.common.contract.camera import Camera, FloorPlane, Intrinsics
 from cliffscan.common.contract.messages import DepthImage
+from cliffscan.common.perception.known_ground import known_ground
 from cliffscan.services.negative.config import NegativeConfig
 from cliffscan.services.perception.perceive import Settings, perceive
 from cliffscan.services.ros2.scans import for_clearing, for_marking, for_slam, range_max
@@ -68,14 +69,14 @@ def layer(scan, marks, clears):
 
 def test_slam_toolbox_would_free_the_hole_by_the_fused_ranges_and_does_not_by_scan(unseen):
     assert share_free_in_hole(karto(unseen, unseen.ranges)) > 0.9
-    cells = karto(unseen, for_slam(unseen, SLAM_RANGE))
+    cells = karto(unseen, for_slam(unseen, known_ground(unseen), SLAM_RANGE))
     assert share_free_in_hole(cells) == 0.0
     assert (cells == 0).sum() * CELL**2 > 1.0  # it maps what there is to the left and right
 
 
 def test_nav2_would_free_the_hole_by_the_fused_ranges_and_does_not_by_marks_and_clear(unseen):
     assert share_free_in_hole(layer(unseen, unseen.ranges, unseen.ranges)) > 0.9
-    marks, clears = for_marking(unseen, SLAM_RANGE), for_clearing(unseen, SLAM_RANGE, NEAREST)
+    marks, clears = for_marking(unseen, SLAM_RANGE), for_clearing(unseen, known_ground(unseen), SLAM_RANGE, NEAREST)
     cells = layer(unseen, marks, clears)
     assert share_free_in_hole(cells) == 0.0
     assert (cells == 0).sum() * CELL**2 > 1.0
@@ -88,8 +89,12 @@ def test_a_hole_that_is_seen_is_marked_at_its_edge(seen, model):
     if model == "collision monitor":
         points = collision_monitor_points(as_ros(seen, marks))
     else:
-        clears = for_clearing(seen, SLAM_RANGE, NEAREST)
-        cells = karto(seen, for_slam(seen, SLAM_RANGE)) if model == "karto" else layer(seen, marks, clears)
+        clears = for_clearing(seen, known_ground(seen), SLAM_RANGE, NEAREST)
+        cells = (
+            karto(seen, for_slam(seen, known_ground(seen), SLAM_RANGE))
+            if model == "karto"
+            else layer(seen, marks, clears)
+        )
         row, column = np.divmod(np.flatnonzero(cells == 100), AREA.side)
         points = AREA.low + (np.stack([column, row], axis=1) + 0.5) * CELL
         assert share_free_in_hole(cells) == 0.0
@@ -127,9 +132,12 @@ class Maps:
         def seen(ranges):
             return Scan(ranges, scan.grid().angles(), range_max(SLAM_RANGE), pose)
 
-        self._slam.add(seen(for_slam(scan, SLAM_RANGE)))
+        known = known_ground(scan)
+        self._slam.add(seen(for_slam(scan, known, SLAM_RANGE)))
         self._slam_alone.add(seen(scan.ranges))
-        self._layer.update(seen(for_marking(scan, SLAM_RANGE)), seen(for_clearing(scan, SLAM_RANGE, NEAREST)))
+        self._layer.update(
+            seen(for_marking(scan, SLAM_RANGE)), seen(for_clearing(scan, known_ground(scan), SLAM_RANGE, NEAREST))
+        )
         self._layer_alone.update(seen(scan.ranges), seen(scan.ranges))
 
     def free(self):

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose, assert_array_equal
 
-from cliffscan.common.perception.known_ground import CELL
+from cliffscan.common.perception.known_ground import CELL, known_ground
 from cliffscan.services.ros2.scans import for_clearing, for_marking, for_slam, range_max
 from tests.build import scan
 
@@ -21,7 +21,11 @@ NEAREST = 0.72
 def one(ranges, clear):
     """What the three scans have in one beam: (slam, marks, clear)."""
     made = scan([ranges], clear=[clear])
-    scans = for_slam(made, SLAM_RANGE), for_marking(made, SLAM_RANGE), for_clearing(made, SLAM_RANGE, NEAREST)
+    scans = (
+        for_slam(made, known_ground(made), SLAM_RANGE),
+        for_marking(made, SLAM_RANGE),
+        for_clearing(made, known_ground(made), SLAM_RANGE, NEAREST),
+    )
     assert all(each.dtype == np.float32 for each in scans)
     return [float(each[0]) for each in scans]
 
@@ -51,12 +55,13 @@ def test_a_beam(what, ranges, clear, expected):
 
 def test_a_scan_without_clear_is_taken_at_its_word():
     made = scan([2.0, INF, NAN])
-    assert_array_equal(for_slam(made, SLAM_RANGE), np.array([2.0, FREE, NAN], "f4"))
-    assert_array_equal(for_clearing(made, SLAM_RANGE, NEAREST), np.array([2.0, FREE, NAN], "f4"))
+    assert_array_equal(for_slam(made, known_ground(made), SLAM_RANGE), np.array([2.0, FREE, NAN], "f4"))
+    assert_array_equal(for_clearing(made, known_ground(made), SLAM_RANGE, NEAREST), np.array([2.0, FREE, NAN], "f4"))
 
 
 def test_a_camera_that_sees_floor_from_farther_away_clears_less():
-    assert np.isnan(for_clearing(scan([INF], clear=[0.9]), SLAM_RANGE, nearest_floor=1.0)).all()
+    far = scan([INF], clear=[0.9])
+    assert np.isnan(for_clearing(far, known_ground(far), SLAM_RANGE, nearest_floor=1.0)).all()
 
 
 BEAMS = st.lists(
@@ -80,7 +85,7 @@ def karto(ranges, slam_range, greatest):
 @given(BEAMS, st.floats(1.0, 6.0))
 def test_karto_frees_no_ground_that_nobody_saw(beams, slam_range):
     made = scan([ranges for ranges, _ in beams], clear=[clear for _, clear in beams])
-    freed, marked = karto(for_slam(made, slam_range), slam_range, range_max(slam_range))
+    freed, marked = karto(for_slam(made, known_ground(made), slam_range), slam_range, range_max(slam_range))
     assert (freed <= np.maximum(made.clear + CELL + 1e-5, 0.0)).all()
     hit = np.isfinite(marked)
     assert_array_equal(marked[hit], made.ranges[hit])
@@ -89,7 +94,7 @@ def test_karto_frees_no_ground_that_nobody_saw(beams, slam_range):
 @given(BEAMS, st.floats(1.0, 6.0))
 def test_clearing_goes_no_farther_than_ground_was_seen_and_spares_every_mark(beams, slam_range):
     made = scan([ranges for ranges, _ in beams], clear=[clear for _, clear in beams])
-    cleared, marked = for_clearing(made, slam_range, NEAREST), for_marking(made, slam_range)
+    cleared, marked = for_clearing(made, known_ground(made), slam_range, NEAREST), for_marking(made, slam_range)
     known = np.isfinite(cleared)
     assert (cleared[known] <= made.clear[known]).all()
     assert (cleared[known] >= np.float32(NEAREST)).all()
@@ -110,4 +115,4 @@ def test_ranges_alone_would_free_what_nobody_saw():
     """The model of Karto does see the difference: it frees a hole from the fused ranges, and not from /scan."""
     made = scan([3.0], clear=[1.2])
     assert karto(made.ranges, SLAM_RANGE, 4.5)[0][0] == 3.0
-    assert karto(for_slam(made, SLAM_RANGE), SLAM_RANGE, 4.5)[0][0] == 0.0
+    assert karto(for_slam(made, known_ground(made), SLAM_RANGE), SLAM_RANGE, 4.5)[0][0] == 0.0
