@@ -1,8 +1,8 @@
 """The command line of `cliffscan`."""
 
 import argparse
-import logging
 import math
+import logging
 import re
 import socket
 import sys
@@ -24,6 +24,7 @@ from cliffscan.drive import PRIORITY, drive
 from cliffscan.echo import echo
 from cliffscan.listing import list_keys, list_robots
 from cliffscan.live import alive
+from cliffscan.recording.commands import add_recording
 from cliffscan.router import route
 from cliffscan.run import add_run
 from cliffscan.secure.command import add_keys
@@ -113,14 +114,6 @@ def measure(arguments: argparse.Namespace, bus: Bus, stop: StopSignal) -> int:
     if arguments.config or arguments.set:
         nominal = configuration.load("capture", CaptureConfig, arguments.config, arguments.set).mounted_floor()
     return calibrate(bus, arguments.seconds, nominal, stop)
-
-
-def seconds(text: str) -> float:
-    """A time span [s] that ends."""
-    value = float(text)
-    if not 0.0 < value < math.inf:
-        raise argparse.ArgumentTypeError(f"{text} s, expected a time span")
-    return value
 
 
 def port(text: str) -> int:
@@ -258,7 +251,9 @@ def build_parser() -> argparse.ArgumentParser:
     )
     options.add_config(calibrating)
     calibrating.add_argument("--role", metavar="NAME", help="whose keys --secure uses (operator; driver with --base)")
-    calibrating.add_argument("--seconds", type=seconds, default=5.0, metavar="S", help="how long to look at the floor")
+    calibrating.add_argument(
+        "--seconds", type=options.positive, default=5.0, metavar="S", help="how long to look at the floor"
+    )
     calibrating.add_argument("--base", action="store_true", help="drive the robot, and measure how it brakes instead")
     free, speed, turn = "free floor ahead (1.5)", "highest speed (0.5)", "highest turn rate (60)"
     calibrating.add_argument("--free", type=free_floor, default=1.5, metavar="M", help=f"with --base: {free}")
@@ -285,6 +280,7 @@ def build_parser() -> argparse.ArgumentParser:
     viewed.add_argument(
         "--allow-origin", action="append", default=[], metavar="ORIGIN", help="a web page of others that may connect"
     )
+    add_recording(add)
     echo_parser = add(
         "echo",
         on_bus(lambda a, bus, stop: echo(bus, a.key, a.count, a.timeout, a.full, stop)),

@@ -64,7 +64,7 @@ class RememberedGround:
         with self._lock:
             jumped = math.hypot(pose.x - self._pose.x, pose.y - self._pose.y) > JUMP
             if self._grid is None or jumped:
-                self._grid, self._history = RollingGrid(pose, self.hull), PoseHistory()
+                self._grid, self._history = RollingGrid(pose, self.hull.outer), PoseHistory()
             self._pose = pose
             self._history.add(odometry.stamp, pose)
             self._grid.follow(pose, self.hull)

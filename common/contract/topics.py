@@ -3,6 +3,7 @@
 import re
 from dataclasses import dataclass, replace
 from enum import Enum
+from functools import lru_cache
 from typing import Any, Generic, Self, TypeVar
 
 from cliffscan.common.contract.base_messages import BaseState, Imu, Odometry, SafetyState, Velocity
@@ -118,12 +119,19 @@ def alive(service: str) -> str:
     return f"alive/{service}"
 
 
-def message_at(path: str) -> type[Message] | None:
-    """The message at a key's path below the robot's name; None where the contract has none."""
+@lru_cache(1024)  # it is asked for every sample
+def topic_at(path: str) -> Topic[Any] | None:
+    """The row of a key's path below the robot's name; None where the contract has none."""
     for topic in TOPICS:
         if path == topic.prefix or path.startswith(topic.prefix + "/"):
-            return topic.message
+            return topic
     return None
+
+
+def message_at(path: str) -> type[Message] | None:
+    """The message at a key's path below the robot's name; None where the contract has none."""
+    topic = topic_at(path)
+    return topic.message if topic else None
 
 
 def most_bytes(path: str) -> int:

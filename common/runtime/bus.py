@@ -1,4 +1,4 @@
-"""Eclipse Zenoh, as the services use it; only zenoh_config, reader and foreign_keys import it beside this."""
+"""Eclipse Zenoh, as the services use it; beside this only neighbours in this folder import it."""
 
 import logging
 import threading
@@ -14,12 +14,14 @@ import zenoh
 
 from cliffscan.common.contract.limits import SMALL
 from cliffscan.common.contract.message import Message, MessageError, check_size, unpack
-from cliffscan.common.contract.topics import ROBOT_NAME, Qos, Topic, alive, most_bytes
+from cliffscan.common.contract.topics import ROBOT_NAME, Topic, alive, most_bytes
 from cliffscan.common.runtime import zenoh_config
 from cliffscan.common.runtime.door import Door, Keys
 from cliffscan.common.runtime.foreign_keys import ForeignKeys
 from cliffscan.common.runtime.metrics import ServiceMetrics
 from cliffscan.common.runtime.pace import Pace
+from cliffscan.common.runtime.qos import declare_publisher
+from cliffscan.common.runtime.raw_samples import RawSamples
 from cliffscan.common.runtime.reader import Readers
 from cliffscan.common.runtime.secure import (
     CONFIG,
@@ -39,12 +41,6 @@ RATE = 200.0  # [Hz] at which the requests at a path are answered
 AGAIN = 0.05  # [s] after which a question that found nothing is put again
 EVERY = "**"  # robot, where a name may have several parts
 LATCH_TIMEOUT = 1.0  # [s] for what is kept to come
-
-PRIORITY = {
-    Qos.BULK: zenoh.Priority.DATA_LOW,
-    Qos.REAL_TIME: zenoh.Priority.REAL_TIME,
-    Qos.STATUS: zenoh.Priority.DATA,
-}
 
 
 class BusError(Exception):
@@ -148,6 +144,10 @@ class Bus:
         """Keys of another protocol in the same session; retract() leaves them."""
         return ForeignKeys(self._session, self._readers)
 
+    def raw_samples(self) -> RawSamples:
+        """The robot's samples as they are, neither decoded nor checked; retract() leaves them."""
+        return RawSamples(self._session, self._readers, self.robot)
+
     def retract(self) -> None:
         """Take back all that was declared here; what others declared in the session stays."""
         self.withdraw()
@@ -157,13 +157,7 @@ class Bus:
     def publisher(self, topic: Topic[M]) -> Publisher[M]:
         """Declare that messages of `topic` will be published."""
         self._door.check_publishes(topic.path)
-        publisher = self._session.declare_publisher(
-            topic.key(self.robot),
-            encoding=encoding_of(topic),
-            congestion_control=zenoh.CongestionControl.DROP,
-            priority=PRIORITY[topic.qos],
-            express=topic.qos is Qos.REAL_TIME,
-        )
+        publisher = declare_publisher(self._session, topic.key(self.robot), encoding_of(topic), topic.qos)
         self._declared.append(publisher)
         return Publisher(publisher)
 

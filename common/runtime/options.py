@@ -1,6 +1,7 @@
 """The command line that every process on the network shares."""
 
 import argparse
+import math
 from collections.abc import Callable
 from pathlib import Path
 
@@ -20,6 +21,14 @@ def robot_name(text: str) -> str:
             f"{text!r} is no robot name: letters, digits and _ . - in parts with / between"
         )
     return text
+
+
+def positive(text: str) -> float:
+    """A number above 0 that is not endless, as a time span [s]."""
+    value = float(text)
+    if not 0.0 < value < math.inf:
+        raise argparse.ArgumentTypeError(f"{text}, expected a number above 0")
+    return value
 
 
 def robot_or_every(text: str) -> str:

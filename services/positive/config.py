@@ -27,6 +27,12 @@ class PositiveConfig(ImageScanConfig):
             raise ValueError(f"robot_height {self.robot_height} is not above floor_band {self.floor_band}")
         return self
 
+    def on_body(self, height: float | None) -> Self:
+        """These settings on a body of that height [m], where they give none and it is above the floor band."""
+        if height is None or height <= self.floor_band or "robot_height" in self.model_fields_set:
+            return self
+        return self.model_copy(update={"robot_height": height})
+
     @property
     def slope(self) -> float:
         """Rise per metre of the steepest floor, as it may look; 0 where the floor is flat."""

@@ -6,9 +6,9 @@ from typing import Any, Generic, TypeVar
 from cliffscan.common.contract.message import Message
 from cliffscan.common.contract.topics import Topic
 from cliffscan.common.runtime.decoder import Decoder
-from cliffscan.common.runtime.service import RATE, ROOM, Service
+from cliffscan.common.runtime.service import RATE, ROOM
 from cliffscan.services.ros2.cdr import CdrError
-from cliffscan.services.ros2.node import Publisher
+from cliffscan.services.ros2.ports import Publisher, Service
 
 M = TypeVar("M", bound=Message)
 T = TypeVar("T")

@@ -12,6 +12,11 @@ class Interface(NamedTuple):
     kind: str = "msg"  # or srv
 
     @property
+    def message_name(self) -> str:
+        """The type's name for people and files, as sensor_msgs/msg/LaserScan."""
+        return f"{self.package}/{self.kind}/{self.name}"
+
+    @property
     def dds_name(self) -> str:
         """The type's name on the wire."""
         return f"{self.package}::{self.kind}::dds_::{self.name}_"

@@ -10,12 +10,12 @@ from cliffscan.common.contract.beam_grid import Grid
 from cliffscan.common.contract.map_messages import OccupancyGrid, Pose2D
 from cliffscan.common.contract.messages import DepthImage, LaserScan, ServiceStatus
 from cliffscan.common.perception.known_ground import known_ground
-from cliffscan.common.runtime.service import Service
 from cliffscan.services.ros2 import diagnostics, interfaces, messages, scans, transforms
 from cliffscan.services.ros2.config import Ros2Config
 from cliffscan.services.ros2.feed import Feed, Output
 from cliffscan.services.ros2.map_frame import MapFrame
-from cliffscan.services.ros2.node import Node, Profile
+from cliffscan.services.ros2.node import Profile
+from cliffscan.services.ros2.ports import Node, Service
 from cliffscan.services.ros2.robot_model import RobotModel
 from cliffscan.services.ros2.scans import KnownScan
 

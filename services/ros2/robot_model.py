@@ -7,12 +7,12 @@ from xml.etree import ElementTree
 
 from cliffscan.common.contract import topics
 from cliffscan.common.contract.description import BodyDescription, CameraDescription, RobotDescription
-from cliffscan.common.runtime.service import Service
 from cliffscan.safety.visible_floor import UNDESCRIBED_NEAREST
 from cliffscan.services.ros2 import interfaces, messages, transforms
 from cliffscan.services.ros2.cdr import CdrError
 from cliffscan.services.ros2.config import Ros2Config
-from cliffscan.services.ros2.node import Node, Profile
+from cliffscan.services.ros2.node import Profile
+from cliffscan.services.ros2.ports import Node, Service
 from cliffscan.services.ros2.transforms import Quaternion, Transform
 
 FLAT = 0.01  # [m] height at which a body is drawn whose height is not known

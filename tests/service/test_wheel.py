@@ -16,7 +16,7 @@ from tests.service.conftest import DEADLINE, free_endpoint
 
 TOP = Path(__file__).parents[2]
 SOURCES = ["pyproject.toml", "README.md", "LICENSE", "cliffscan", "common", "safety", "services", "simulator"]
-DATA = {"common/README.md", "py.typed", "simulator/turtlebot2.xml"}
+DATA = {"common/README.md", "py.typed", "recording/definitions.msg", "simulator/turtlebot2.xml"}
 
 
 @pytest.fixture
