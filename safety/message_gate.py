@@ -5,6 +5,7 @@ Steady times `now` are in seconds, stamps in nanoseconds since the epoch. Nothin
 
 import math
 from collections.abc import Callable
+from string import digits
 
 from cliffscan.common.contract.base_messages import SafetyState, Velocity
 from cliffscan.common.contract.messages import LaserScan
@@ -18,6 +19,7 @@ from cliffscan.safety.rules import Decision
 from cliffscan.safety.scan_claims import Scan
 
 REMEMBERED = 1.0  # [s] for which a scan that was refused is reported
+WITHOUT_DIGITS = str.maketrans("", "", digits)
 
 Warn = Callable[[str, str], None]  # warn(count, why)
 
@@ -96,6 +98,10 @@ class MessageGate:
             latched=self.latched,
             note=self.note(now),
         )
+
+    def reasons(self, now: float) -> tuple[str, bool, str]:
+        """What of the last decision is news when it changes: rule, latch and note, but no distance in it."""
+        return self.decision.rule, self.latched, self.note(now).translate(WITHOUT_DIGITS)
 
     def note(self, now: float) -> str:
         """What a person should know of the last decision."""

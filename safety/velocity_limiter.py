@@ -98,9 +98,13 @@ class VelocityLimiter:
         braking = speed * latency + speed**2 / (2.0 * self._limits.deceleration)
         reach = min(self._radius + braking + WIDER, LOOK)
         points = self._grid.not_free(pose, reach, unknown_too)
+        farthest = NO_CONTACT._replace(distance=reach - self._radius)
+        if not points.size:
+            self._clearance[side] = self._radius
+            return farthest, points
         clearance = self._approach(side, points)
         contacts = [first_contact(points, side, each, self._radius, clearance) for each in curvatures]
-        return min([*contacts, NO_CONTACT._replace(distance=reach - self._radius)]), points
+        return min([*contacts, farthest]), points
 
     def _obstruction(self, contact: Contact, points: Floats, pose: Pose2D) -> Obstruction | None:
         """What is touched there."""

@@ -66,8 +66,8 @@ def guarded(name: str, work: Callable[[], object]) -> None:
 def _run(source: Any, handle: Callable[[Any], object], pace: Pace | None) -> None:  # noqa: ANN401
     name, ring = str(source.key_expr), source.handler  # who waits in `source` itself keeps it from being taken back
     while True:
-        if pace:
-            time.sleep(pace.delay(time.monotonic()))
+        if pace and (delay := pace.delay(time.monotonic())):
+            time.sleep(delay)
         try:
             item = ring.recv()
         except zenoh.ZError:  # the declaration or the session has ended

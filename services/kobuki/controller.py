@@ -71,7 +71,7 @@ class BaseController:
         """Know nothing of the base."""
         self._parser, self._handshake = FrameParser(), Handshake()
         self._monitor.begin()
-        self._catching_up = False  # with what the base sent while nobody read it
+        self.catching_up = False  # with what the base sent while nobody read it
         self._read: tuple[Core, float, float, float, float] | None = None  # core, clock, left, right, gyro unwrapped
         self.alive_at = now  # [s] when the base's clock last went on
 
@@ -96,7 +96,7 @@ class BaseController:
 
     def caught_up(self) -> None:
         """All that the base sent has been read."""
-        self._catching_up = False
+        self.catching_up = False
 
     @property
     def accepted(self) -> bool:
@@ -173,6 +173,10 @@ class BaseController:
         """The last decision, as it is published."""
         return self._gate.state(stamp, now)
 
+    def reasons(self, now: float) -> tuple[str, bool, str]:
+        """What of the last decision is news when it changes."""
+        return self._gate.reasons(now)
+
     # ---- what is asked for
 
     def requests(self) -> dict[str, Reply]:
@@ -225,8 +229,8 @@ class BaseController:
         pose = self._origin.then(Pose2D(*estimate.pose))
         if estimate.new_baseline:
             self._warn("baseline", estimate.new_baseline)
-            self._catching_up = True
-        if self._catching_up:  # what is read late is of where the robot was; it begins anew where it is
+            self.catching_up = True
+        if self.catching_up:  # what is read late is of where the robot was; it begins anew where it is
             self._gate.restart(pose)
             self._monitor.begin()
         if estimate.contradiction:
@@ -242,7 +246,7 @@ class BaseController:
 
     def _watch_wheels(self, feedback: Feedback, core: Core, now: float) -> None:
         angle = feedback.inertia.angle if feedback.inertia else math.nan
-        if self._read is None or self._catching_up:
+        if self._read is None or self.catching_up:
             self._read = (core, 0.0, 0.0, 0.0, angle)
             return
         before, clock, left, right, gyro = self._read

@@ -104,7 +104,7 @@ class IoLoop:
         for report in self._controller.receive(port.read(), time.time_ns(), time.monotonic()):
             self._send()
             self._publishers.publish(report.feedback, report.core, report.estimate, report.stamp)
-        if not port.has_more():
+        if self._controller.catching_up and not port.has_more():
             self._controller.caught_up()
 
     def _send(self) -> None:
@@ -166,12 +166,10 @@ class IoLoop:
 
     def _report(self, now: float) -> None:
         """Publish which rule holds, when that changes and once a second."""
-        state = self._controller.safety_state(time.time_ns(), now)
-        words = "".join(each for each in state.note if not each.isdigit())  # a distance that changes is nothing new
-        new = (state.rule, state.latched, words)
+        new = self._controller.reasons(now)
         if new != self._reported or now - self._reported_at >= REPORT:
             self._reported, self._reported_at = new, now
-            self._safety.put(state)
+            self._safety.put(self._controller.safety_state(time.time_ns(), now))
 
     # ---- what is asked for
 
