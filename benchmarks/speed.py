@@ -1,8 +1,8 @@
 """How long one frame takes, by method and beside a plain NumPy version: python -m benchmarks.speed [--frames N].
 
-All are measured in one run, in turn, so that a busy machine is as hard on one as on the other. Each is measured after a
-sleep of 33 ms, as a service lives: its data and code have left the processor's caches meanwhile. `--rest 0` leaves the
-sleep out.
+All are measured in one run, in turn, so that a busy machine is as hard on one as on the other, and in processor time,
+which stands still while others run. Each is measured after a sleep of 33 ms, as a service lives: its data and code have
+left the processor's caches meanwhile. `--rest 0` leaves the sleep out.
 """
 
 import argparse
@@ -15,7 +15,7 @@ from dataclasses import replace
 from functools import partial
 from itertools import count
 from statistics import median
-from time import perf_counter, sleep
+from time import perf_counter, sleep, thread_time
 
 import numpy as np
 from rich.console import Console
@@ -126,16 +126,16 @@ def jobs(image: DepthImage) -> dict[str, Callable[[], object]]:
 
 
 def medians(work: dict[str, Callable[[], object]], frames: int, rest: float) -> dict[str, float]:
-    """Median time [ms] of each, all of them in turn, each after a `rest` [ms]."""
+    """Median processor time [ms] of each, all of them in turn, each after a `rest` [ms]."""
     taken: dict[str, list[float]] = {name: [] for name in work}
     for each in work.values():
         each()
     for _ in range(frames):
         for name, each in work.items():
             sleep(rest / 1000.0)
-            start = perf_counter()
+            start = thread_time()
             each()
-            taken[name].append(perf_counter() - start)
+            taken[name].append(thread_time() - start)
     return {name: 1000.0 * median(times) for name, times in taken.items()}
 
 

@@ -1,8 +1,8 @@
 """The command line of `cliffscan`."""
 
 import argparse
-import math
 import logging
+import math
 import re
 import socket
 import sys

@@ -21,6 +21,8 @@ CELL = 0.04  # [m]
 HALF_CELL = CELL * math.sqrt(0.5)  # [m] from a cell's middle to its corners
 MEMORY = 3.0  # [m] what lies farther off is forgotten
 CELLS = 2 * round(MEMORY / CELL)
+LINES = CELL * np.arange(CELLS, dtype=np.float64)  # [m] of the square's rows, or columns, from the first
+NOWHERE = np.empty((2, 0))  # no points
 LOOK = 1.5  # [m] around the robot within which floor is seen to be free, and as far as it looks ahead
 GUESS_REACH = 0.9  # [m] from the camera up to which floor that it cannot see is guessed: a level one of 0.30 m needs it
 BESIDE = 0.2  # [m] along which an edge that is seen may go on where it is not
@@ -70,8 +72,10 @@ class RollingGrid:
         """
         self._move(math.floor(pose.x / CELL) - CELLS // 2, math.floor(pose.y / CELL) - CELLS // 2)
         near = self._window(pose.x, pose.y, hull.outer)
-        covered = hull.covers(*self._seen_from(pose, near))
         seen = self._seen[near]
+        if not seen.any():  # FREE is 0: there is nothing to free, as nearly always
+            return
+        covered = hull.covers(*self._seen_from(pose, near))
         seen[covered & (seen <= UNKNOWN) & ~self._touched[near]] = FREE
 
     def see(self, ranges: Floats, edges: Mask, free: Floats, angles: Floats, pose: Pose2D, floor: VisibleFloor) -> None:
@@ -114,10 +118,11 @@ class RollingGrid:
         To be asked where the robot is, for LOOK at most: the square ends MEMORY away from there.
         """
         window = self._window(pose.x, pose.y, reach)
-        not_free = self._seen[window] >= (UNKNOWN if unknown_too else OCCUPIED)
-        there = np.flatnonzero(not_free | self._touched[window])
+        there = (self._seen[window] >= (UNKNOWN if unknown_too else OCCUPIED)) | self._touched[window]
+        if not there.any():
+            return NOWHERE
         x, y = self._seen_from(pose, window)
-        return np.stack([x.ravel()[there], y.ravel()[there]])
+        return np.array((x[there], y[there]))
 
     def around(self, pose: Pose2D, reach: float) -> GridWindow:
         """What is known of the cells within `reach` [m] of `pose` along both axes."""
@@ -168,9 +173,8 @@ class RollingGrid:
 
     def _offsets(self, window: tuple[slice, slice], pose: Pose2D) -> tuple[Floats, Floats]:
         """How far [m] along the world's x and y the window's rows and columns are from `pose`."""
-        rows, columns = (np.arange(*part.indices(CELLS), dtype=np.float64) for part in window)
         x, y = (0.5 + self._corner[0]) * CELL - pose.x, (0.5 + self._corner[1]) * CELL - pose.y
-        return rows * CELL + x, columns * CELL + y
+        return LINES[window[0]] + x, LINES[window[1]] + y
 
     def _seen_from(self, pose: Pose2D, window: tuple[slice, slice]) -> tuple[Floats, Floats]:
         """The middles [m] of a window's cells, ahead and to the left of `pose`: (rows, columns) each."""
@@ -191,6 +195,8 @@ class RollingGrid:
 
 def _beside(edges: Mask) -> Mask:
     """Which cells of a window have an edge BESIDE them: in the square around each, by sums over rectangles."""
+    if not edges.any():
+        return edges
     reach = round(BESIDE / CELL)
     sums = np.pad(edges, ((reach + 1, reach), (reach + 1, reach))).cumsum(0, np.int16).cumsum(1, np.int16)
     side = 2 * reach + 1

@@ -5,6 +5,7 @@ Steady times `now` are in seconds, stamps in nanoseconds since the epoch. Nothin
 
 import math
 from collections.abc import Callable
+from string import digits
 
 from cliffscan.common.contract.base_messages import SafetyState, Velocity
 from cliffscan.common.contract.description import CameraDescription
@@ -17,12 +18,14 @@ from cliffscan.safety.odometry_monitor import OdometryMonitor
 from cliffscan.safety.pose2d import Pose2D
 from cliffscan.safety.pose_history import PoseHistory
 from cliffscan.safety.rules import Decision
+from cliffscan.safety.safety_reports import Reasons
 from cliffscan.safety.scan_claims import Scan
 
 REMEMBERED = 1.0  # [s] for which a scan that was refused is reported
 TICK = 0.03  # [s] between decisions while the base is silent; else one follows each of its reports
 SILENT = 0.2  # [s] without a new report after which the base is taken for silent
 BOTH_SIMULATED = "the camera is simulated and the base is real: set capture.source to the camera on the robot"
+WITHOUT_DIGITS = str.maketrans("", "", digits)
 
 Warn = Callable[[str, str], None]  # warn(count, why)
 
@@ -160,6 +163,10 @@ class MessageGate:
             latched=self.latched,
             note=self.note(now),
         )
+
+    def reasons(self, now: float) -> Reasons:
+        """What of the last decision is news when it changes: rule, latch and note, but no distance in it."""
+        return self.decision.rule, self.latched, self.note(now).translate(WITHOUT_DIGITS)
 
     def note(self, now: float) -> str:
         """What a person should know of the last decision."""

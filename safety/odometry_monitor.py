@@ -44,6 +44,7 @@ class OdometryMonitor:
         self._sent: deque[_Sent] = deque()  # changes only
         self._sent_since = self._sent_at = -math.inf  # [s] first and last of the commands without a gap
         self._read: deque[_Read] = deque()
+        self._speeds: list[tuple[str, float]] = []  # each wheel's name and speed [m/s]; none before WINDOW has passed
 
     def send(self, linear: float, angular: float, now: float) -> None:
         """The base is sent this velocity, [m/s] and [rad/s], at `now` [s]."""
@@ -63,12 +64,15 @@ class OdometryMonitor:
         self._read.append(_Read(at, (left, right), gyro))
         while len(self._read) > 2 and self._read[1].at <= at - TURN_WINDOW:
             self._read.popleft()
+        self._speeds = self._wheel_speeds()
 
     def stuck(self, now: float) -> str:
         """Which wheel stands although it was commanded to turn, or nothing."""
         if not self._driven(DRIVEN, now):
             return ""
-        for wheel, (name, speed) in enumerate(self._wheel_speeds()):
+        for wheel, (name, speed) in enumerate(self._speeds):
+            if abs(speed) >= STANDS * abs(self._sent[-1].speeds[wheel]):  # so it does not stand
+                continue
             commanded = self._commanded(wheel, now - DRIVEN)
             least = max(min(commanded), -max(commanded))
             earlier = self._commanded(wheel, now - REVERSED)
@@ -81,7 +85,9 @@ class OdometryMonitor:
         """Which wheel turns faster than was commanded for long, as behind a line that is slow, or nothing."""
         if not self._driven(BRAKED, now):
             return ""
-        for wheel, (name, speed) in enumerate(self._wheel_speeds()):
+        for wheel, (name, speed) in enumerate(self._speeds):
+            if abs(speed) <= abs(self._sent[-1].speeds[wheel]) + TOO_FAST:
+                continue
             fastest = max(map(abs, self._commanded(wheel, now - BRAKED)))
             if abs(speed) > fastest + TOO_FAST:
                 return f"the {name} wheel turns at {abs(speed):.2f} m/s and was commanded {fastest:.2f} m/s at most"
@@ -110,7 +116,7 @@ class OdometryMonitor:
         return before[-1:] + later
 
     def _wheel_speeds(self) -> list[tuple[str, float]]:
-        """Each wheel's name and speed [m/s] over the last WINDOW; none before that has passed."""
+        """Each wheel's name and speed [m/s] over the last WINDOW of the base's clock."""
         recent = self._since(WINDOW)
         if recent is None:
             return []

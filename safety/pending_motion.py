@@ -26,6 +26,7 @@ class PendingMotion:
     def rest(self) -> None:
         """The base stands still."""
         self._sent: deque[_Sent] = deque([_Sent(-math.inf, 0.0, 0.0)])
+        self._fastest = {1: 0.0, -1: 0.0}  # [m/s] sent, by direction, of what may still hold
         self._speeds = {1: 0.0, -1: 0.0}
         self._spins = {1: 0.0, -1: 0.0}
         self._at = -math.inf
@@ -39,11 +40,13 @@ class PendingMotion:
             self._sent.append(_Sent(now, linear, angular))
         while len(self._sent) > 1 and self._sent[1].at + self._delay < now:  # what replaced it has reached the wheels
             self._sent.popleft()
+        speeds = [sent.linear for sent in self._sent]
+        self._fastest = {1: max(speeds), -1: -min(speeds)}
 
     def speed(self, side: int, now: float) -> float:
         """The highest speed [m/s], forward (side 1) or backward (-1), that the base may have at `now` [s]."""
         braked = self._speeds[side] - self._deceleration * max(now - self._at, 0.0) if self._speeds[side] else 0.0
-        return max(braked, max([side * sent.linear for sent in self._sent]), 0.0)
+        return max(braked, self._fastest[side], 0.0)
 
     def spins(self, now: float) -> list[float]:
         """The fastest turns on the spot [rad/s], to the left and to the right, that the base may still be in."""

@@ -122,11 +122,15 @@ class VelocityLimiter:
 
         With it, what it touches first there, and the points (2, n) [m] that are not free.
         """
-        braking = speed * latency + speed**2 / (2.0 * min(map(self._deceleration, curvatures)))
+        slowest = min(map(self._deceleration, curvatures))
+        braking = speed * latency + speed**2 / (2.0 * slowest)
         reach = min(self._outer + braking + WIDER, LOOK)
         points = self._grid.not_free(pose, reach, unknown_too)
-        clearance = self._approach(side, points)
         nothing = NO_CONTACT._replace(distance=reach - self._outer)
+        if not points.size:
+            self._clearance[side] = self._kept
+            return safe_speed(nothing.distance, slowest, latency), nothing, points
+        clearance = self._approach(side, points)
         speeds = []
         for each in curvatures:
             contact = min(self.hull.on_arc(points, side, each, self._kept, clearance), nothing)

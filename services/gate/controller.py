@@ -9,6 +9,7 @@ from cliffscan.common.contract.base_messages import BaseState, Odometry, SafetyS
 from cliffscan.safety.inputs import BaseReport, Contacts, Twist
 from cliffscan.safety.message_gate import SILENT, MessageGate, Warn
 from cliffscan.safety.rules import Decision
+from cliffscan.safety.safety_reports import Reasons
 from cliffscan.safety.scan_claims import AHEAD
 from cliffscan.services.gate.config import GateConfig
 from cliffscan.services.gate.odometry_track import WHEEL_SEPARATION, OdometryTrack
@@ -107,6 +108,10 @@ class GateController:
     def safety_state(self, stamp: int, now: float) -> SafetyState:
         """The last decision, as it is published."""
         return self._gate.state(stamp, now)
+
+    def reasons(self, now: float) -> Reasons:
+        """What of the last decision is news when it changes."""
+        return self._gate.reasons(now)
 
     def _state_is_silent(self, now: float) -> bool:
         return now - self._felt_at > STATE_SILENT

@@ -65,9 +65,8 @@ class GateLoop:
         now = time.monotonic()
         self._controller.tick(now)
         self._publish()
-        state = self._controller.safety_state(time.time_ns(), now)
-        if self._reports.due(state, now):
-            self._safety.put(state)
+        if self._reports.due(self._controller.reasons(now), now):
+            self._safety.put(self._controller.safety_state(time.time_ns(), now))
         silent = now - self._controller.alive_at > SILENCE
         self._service.note = NO_ODOMETRY if silent else ""
 

@@ -16,6 +16,7 @@ from cliffscan.safety.inputs import REST, BaseReport, Motion
 from cliffscan.safety.message_gate import MessageGate, Warn
 from cliffscan.safety.pose2d import Pose2D
 from cliffscan.safety.rules import Decision
+from cliffscan.safety.safety_reports import Reasons
 from cliffscan.services.kobuki.config import KobukiConfig
 from cliffscan.services.kobuki.contacts import contacts
 from cliffscan.services.kobuki.gains import GainsHandler
@@ -92,6 +93,11 @@ class BaseController:
         self._gate.caught_up()
 
     @property
+    def catching_up(self) -> bool:
+        """Whether what was read since caught_up() came late."""
+        return self._gate.catching_up
+
+    @property
     def alive_at(self) -> float:
         """[s] when the base's clock last went on."""
         return self._gate.alive_at
@@ -163,6 +169,10 @@ class BaseController:
     def safety_state(self, stamp: int, now: float) -> SafetyState:
         """The last decision, as it is published."""
         return self._gate.state(stamp, now)
+
+    def reasons(self, now: float) -> Reasons:
+        """What of the last decision is news when it changes."""
+        return self._gate.reasons(now)
 
     # ---- what is asked for
 

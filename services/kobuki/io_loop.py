@@ -103,7 +103,7 @@ class IoLoop:
         for report in self._controller.receive(port.read(), time.time_ns(), time.monotonic()):
             self._send()
             self._publishers.publish(report.feedback, report.core, report.estimate, report.stamp)
-        if not port.has_more():
+        if self._controller.catching_up and not port.has_more():
             self._controller.caught_up()
 
     def _send(self) -> None:
@@ -165,9 +165,8 @@ class IoLoop:
 
     def _report(self, now: float) -> None:
         """Publish which rule holds, when that changes and once a second."""
-        state = self._controller.safety_state(time.time_ns(), now)
-        if self._reports.due(state, now):
-            self._safety.put(state)
+        if self._reports.due(self._controller.reasons(now), now):
+            self._safety.put(self._controller.safety_state(time.time_ns(), now))
 
     # ---- what is asked for
 

@@ -44,7 +44,7 @@ class Port:
             raise PortLost(f"{path}: {_remedy(error)}") from error
         heart, self._heart = os.pipe()
         os.set_blocking(self._heart, False)
-        port = self._serial.fileno()
+        port = self._file = self._serial.fileno()
         self._guard = subprocess.Popen(
             [sys.executable, "-SE", str(Path(guard.__file__)), str(port), str(heart), base_control(0.0, 0.0).hex()],
             pass_fds=(port, heart),
@@ -55,12 +55,12 @@ class Port:
 
     def fileno(self) -> int:
         """What can be waited for: it is readable when the base sent something, and when it is gone."""
-        return self._serial.fileno()
+        return self._file
 
     def read(self) -> bytes:
         """What the base sent, once the port is readable. Raises PortLost where that is nothing."""
         try:
-            data = os.read(self.fileno(), CHUNK)
+            data = os.read(self._file, CHUNK)
         except OSError as error:
             raise PortLost(f"{self._path}: the base was unplugged") from error
         if not data:
@@ -122,7 +122,7 @@ class Port:
     def _waiting(self) -> int:
         """How many bytes the line has not carried yet, where the device reports it."""
         try:
-            return int.from_bytes(fcntl.ioctl(self.fileno(), termios.TIOCOUTQ, bytes(4)), sys.byteorder)
+            return int.from_bytes(fcntl.ioctl(self._file, termios.TIOCOUTQ, bytes(4)), sys.byteorder)
         except OSError as error:
             raise PortLost(f"{self._path}: {_remedy(error)}") from error
 
@@ -142,7 +142,7 @@ class Port:
     def _take(self, data: bytes) -> int:
         """How many bytes the port takes now."""
         try:
-            return os.write(self.fileno(), data)
+            return os.write(self._file, data)
         except BlockingIOError:
             return 0
         except OSError as error:
