@@ -1,4 +1,4 @@
-"""The kernels of services/negative/floor_following.py and shadow.py, slowly and plainly: line by line, row by row.
+"""The kernels of services/negative/floor_following.py, ramps.py and shadow.py, slowly and plainly, row by row.
 
 Arithmetic is in single precision and in the kernels' order, so that both decide alike.
 """
@@ -10,6 +10,7 @@ import numpy as np
 from cliffscan.common.contract.camera import Camera, scan_axes
 from cliffscan.common.perception.floor_points import METRES
 from cliffscan.services.negative import floor_following as of_trace
+from cliffscan.services.negative import ramps as of_ramps
 from cliffscan.services.negative import shadow as of_shadow
 from cliffscan.services.negative.beam_lines import BeamLines, InView
 from cliffscan.services.negative.floor_following import End, FloorCriteria
@@ -229,6 +230,31 @@ class Trace:
         if last == NEVER and self.end is End.DROP:
             last = int(self.sensor.first)
         return self.end, last, level, sure, sure_level
+
+
+def ramp_ahead(
+    heights: np.ndarray, order: np.ndarray, view: View, camera: Camera, criteria: FloorCriteria, line: int, row: int
+) -> bool:
+    """Whether a ramp that begins at a line's last floor explains all that is seen beyond, and no level floor does."""
+    fall, step = (float(values[line]) for values in (view.lines.fall, view.lines.fall_step))
+    last = [index for index, at in enumerate(order) if at == row]
+    if not last or fall + row * step > criteria.slope + criteria.grazing:
+        return False
+    falls = fall + np.array(order[last[0] :], float) * step
+    inverse = falls / (camera.floor.d - heights[last[0] :, line].astype(float))
+    floor, falls, inverse = (falls[0], inverse[0]), falls[1:], inverse[1:]
+    seen = ~np.isnan(inverse)
+    if seen.sum() < of_ramps.LEAST_ROWS:
+        return False
+    ramp = np.polynomial.Polynomial.fit(falls[seen], inverse[seen], 1).convert()
+    level = (falls[seen] @ inverse[seen]) / (falls[seen] @ falls[seen])
+    error = of_ramps.SIGMAS * criteria.noise
+    straight = np.abs(ramp(falls) - inverse)[seen].max() <= error
+    kerb = np.abs(level * falls - inverse)[seen].max() <= error
+    due = (ramp(falls) >= 1.0 / camera.range[1]).sum()
+    inclined = 0.0 < ramp.roots()[0] <= criteria.slope
+    begins = ramp(floor[0]) >= floor[1] - error
+    return bool(straight and not kerb and inclined and begins and seen.sum() >= of_ramps.LEAST_SHARE * due)
 
 
 def shadowed(camera: Camera, depth: np.ndarray, last: tuple[int, int], beyond: tuple[int, int]) -> bool:
