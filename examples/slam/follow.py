@@ -14,6 +14,9 @@ from examples.slam.wire import UNDESCRIBED, Camera, Odometry, Scan, WireError, r
 REMEMBERED = 500  # poses: ten seconds at 50 Hz
 WAITING = 64  # scans that may wait: two seconds at 30 Hz
 TOLD_EVERY = 100  # bad samples
+RECENT = 25  # poses by which the lateness of one is judged
+CATCHING_UP = 2  # poses late from which on a reader has others to read
+DOUBT = 0.03  # [rad] of a heading from which on a scan is not mapped
 
 Message = TypeVar("Message")
 
@@ -26,6 +29,7 @@ class Sighting(NamedTuple):
     scan: Scan
     pose: Pose
     camera: Camera  # that took it
+    sure: bool  # whether the robot's heading is that of the scan's moment
 
 
 class Trail:
@@ -41,8 +45,8 @@ class Trail:
         self._poses.append(odometry)
 
     def reaches(self, stamp: int) -> bool:
-        """Whether the pose of that time [ns], or of a later one, is known."""
-        return bool(self._poses) and self._poses[-1].stamp >= stamp
+        """Whether the pose of that time [ns], or of a later one, is known, and no late ones are still to come."""
+        return bool(self._poses) and self._poses[-1].stamp >= stamp and self._late(len(self._poses) - 1) < CATCHING_UP
 
     def at(self, stamp: int) -> Pose | None:
         """The pose at a time [ns], between the two that are nearest; None outside the times that are known."""
@@ -54,6 +58,28 @@ class Trail:
             return after.pose if after.stamp == stamp else None
         before = self._poses[place - 1]
         return before.pose.towards(after.pose, (stamp - before.stamp) / (after.stamp - before.stamp))
+
+    def doubt(self, stamp: int) -> float:
+        """By how much [rad] the heading at a time [ns] may be off, as poses were stamped late in a turn."""
+        after = bisect_left(self._poses, stamp, key=attrgetter("stamp"))
+        late = max(self._late(place) for place in (after - 1, after))
+        first, last = max(after - 1 - late, 0), min(after + late, len(self._poses) - 1)
+        here = self._poses[after].pose
+        return max(abs(self._poses[place].pose.step_to(here).theta) for place in (first, last)) if late else 0.0
+
+    def _late(self, place: int) -> int:
+        """How many poses late the one at a place was stamped.
+
+        Odometry is stamped when it is read. On a machine that is too slow a reader comes late and finds several poses
+        at once: a gap between stamps, and then a burst. Poses are measured at even intervals, so one that is stamped
+        later than those before it allow is late by the difference.
+        """
+        recent = [self._poses[each].stamp for each in range(max(place - RECENT, 0), place + 1)]
+        if len(recent) < 3:
+            return 0
+        interval = (recent[-1] - recent[0]) / (len(recent) - 1)
+        earliest = min(stamp + (len(recent) - 1 - number) * interval for number, stamp in enumerate(recent))
+        return round((recent[-1] - earliest) / interval)
 
 
 class Follower:
@@ -91,7 +117,7 @@ class Follower:
             scan = self._scans.popleft()
             pose = self._trail.at(scan.stamp)
             if pose:
-                return Sighting(scan, pose, self._camera)
+                return Sighting(scan, pose, self._camera, self._trail.doubt(scan.stamp) < DOUBT)
         return None
 
     def _describe(self, camera: Camera | None) -> None:

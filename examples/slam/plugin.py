@@ -32,6 +32,9 @@ class Mapper(Protocol):
     def add(self, scan: Scan, odometry: Pose, near: float) -> Pose:
         """Take in a scan, its origin by odometry, and how near [m] it shows floor; where it was on the map."""
 
+    def follow(self, odometry: Pose) -> Pose:
+        """Where the origin of a scan that is not taken in was on the map."""
+
     def map(self) -> Map:
         """The map so far."""
 
@@ -75,11 +78,12 @@ class Plugin:
         self._newest = self._published = self._saved = 0  # [ns] stamp of the newest scan, when published, when saved
 
     def take(self, sighting: Sighting) -> None:
-        """Map a scan and publish where the robot is."""
-        scan, robot, camera = sighting
+        """Map a scan whose place is sure, and publish where the robot is."""
+        scan, robot, camera, sure = sighting
         place = self._settings.origin or camera.place
         near = camera.nearest_floor if self._settings.near is None else self._settings.near
-        origin = self._mapper.add(scan, robot.then(place), near)
+        odometry = robot.then(place)
+        origin = self._mapper.add(scan, odometry, near) if sure else self._mapper.follow(odometry)
         self._network.publish_pose(origin.then(place.step_to(Pose())), scan.stamp)
         self._newest = scan.stamp
 

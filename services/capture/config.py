@@ -80,7 +80,7 @@ class CaptureConfig(ServiceConfig):
 
     # replay
     path: str = ""
-    """The depth folder that is replayed."""
+    """The depth folder, ROS bag or MCAP file that is replayed."""
     loop: bool = True
     """Whether a replay begins again at its end."""
 

@@ -22,7 +22,7 @@ class Kind(NamedTuple):
 
 KINDS = {
     "simulator": Kind("simulated", extra="simulator", simulated=True),
-    "replay": Kind("replay", recorded=True, simulated=True),
+    "replay": Kind("replay", extra="capture,replay", recorded=True, simulated=True),
     "kinect": Kind("kinect"),
     "realsense": Kind("realsense", extra="realsense", debian="libusb-1.0-0"),
     "openni2": Kind("openni2", extra="openni2"),

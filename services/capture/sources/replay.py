@@ -24,7 +24,7 @@ from cliffscan.common.contract.message import Stamp, explain
 from cliffscan.common.runtime.config import ConfigError
 from cliffscan.services.capture.config import CaptureConfig
 from cliffscan.services.capture.sources.depth_png import decode_depth
-from cliffscan.services.capture.sources.depth_source import BadFrame, DepthFrame, SourceEnded
+from cliffscan.services.capture.sources.depth_source import BadFrame, DepthFrame, Source, SourceEnded
 
 Four = tuple[float, float, float, float]
 LEVEL = (0.0, -1.0, 0.0, 0.3)  # a floor below any camera
@@ -123,9 +123,14 @@ class Replay:
         return self._stamps[place] + round_ * lap
 
 
-def open_configured(config: CaptureConfig) -> Replay:
-    """The depth folder that is configured. Raises ConfigError."""
-    return Replay(Path(config.path), config.rate, config.loop)
+def open_configured(config: CaptureConfig) -> Source:
+    """The depth folder, bag or MCAP file that is configured. Raises ConfigError."""
+    path = Path(config.path)
+    if path.is_file() or (path / "metadata.yaml").is_file():
+        from cliffscan.services.capture.sources.bag import BagReplay  # a depth folder needs no rosbags
+
+        return BagReplay(path, config)
+    return Replay(path, config.rate, config.loop)
 
 
 def images_of(folder: Path) -> list[Path]:

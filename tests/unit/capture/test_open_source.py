@@ -50,7 +50,10 @@ def test_a_folder_that_is_not_there_can_never_be_opened(path, tmp_path, monkeypa
 
 @pytest.mark.parametrize(
     ("source", "missing", "remedy"),
-    [("replay", "PIL", r"pip install 'cliffscan\[capture\]'"), ("simulator", "mujoco", r"cliffscan\[simulator\]")],
+    [
+        ("replay", "PIL", r"'cliffscan\[capture,replay\]'"),
+        ("simulator", "mujoco", r"cliffscan\[simulator\]"),
+    ],
 )
 def test_a_missing_library_is_named_with_the_extra_that_brings_it(source, missing, remedy, monkeypatch):
     module = "cliffscan.services.capture.sources." + {"replay": "replay", "simulator": "simulated"}[source]

@@ -60,6 +60,27 @@ def test_a_clock_set_back_begins_anew(follower):
     assert follower.next(0).pose.x == pytest.approx(0.15)
 
 
+def test_a_pose_that_was_read_late_while_the_robot_turned_is_not_sure(follower):
+    """A reader that stalls for 100 ms finds five poses at once; a regular one is sure however slow it is."""
+    late = [number if number < 20 or number > 25 else 25 + 0.01 * (number - 20) for number in range(30)]
+    for number, read in enumerate(late):
+        told = odometry_fields(Pose(0.0, 0.0, 0.02 * number), START + round(read * STEP))  # 1 rad/s
+        follower.receive_odometry(payload(told))
+    sure = {}
+    for at in (10.5, 18.5, 22.5, 24.5, 25.005, 27.5):
+        receive_scan(follower, at)
+        sure[at] = follower.next(0).sure
+    assert sure == {10.5: True, 18.5: True, 22.5: False, 24.5: False, 25.005: False, 27.5: True}
+
+
+def test_a_pose_that_was_read_late_while_the_robot_went_straight_is_sure(follower):
+    for number, read in enumerate([*range(20), 25, 25.01, 25.02, 25.03, 25.04, 25.05, 26]):
+        told = odometry_fields(Pose(0.02 * number, 0.0, 1.0), START + round(read * STEP))
+        follower.receive_odometry(payload(told))
+    receive_scan(follower, 22.5)
+    assert follower.next(0).sure
+
+
 def test_the_oldest_of_too_many_is_dropped(follower):
     for number in range(WAITING + 1):
         receive_scan(follower, number)
