@@ -18,7 +18,7 @@ ARG SERVICE
 RUN case "$SERVICE" in \
         router) pip install ".[secure]" ;; \
         capture) apt-get update \
-            && apt-get install --yes --no-install-recommends libfreenect0.5 \
+            && apt-get install --yes --no-install-recommends libfreenect0.5 libopenni2-0 \
             && rm -rf /var/lib/apt/lists/* \
             && pip install ".[capture,simulator,secure]" ;; \
         negative|positive|fuse|perception|kobuki|gate|ros2) pip install ".[$SERVICE,secure]" ;; \

@@ -62,7 +62,7 @@ def run(player: Callable[..., None], *arguments: str, **environment: str) -> sub
 def serve_all(result: str) -> None:
     """Every frame of the stream, as raw values, into result.npy; nothing can get lost, for there is no queue."""
     frames: list[NDArray[np.uint16]] = []
-    with closing(DepthStream("11bit", 0, lambda pixels, _stamp: frames.append(pixels))) as stream:
+    with closing(DepthStream("11bit", 0, lambda picture: frames.append(picture[0]))) as stream:
         try:
             while True:
                 stream.serve()

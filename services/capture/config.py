@@ -22,6 +22,7 @@ else:
     Sensor = Literal[*SENSORS]
 
 KINECT = (640, 480)  # pixels
+KINECT_RANGE = (0.5, 4.5)  # [m]
 
 
 class CaptureConfig(ServiceConfig):
@@ -58,6 +59,9 @@ class CaptureConfig(ServiceConfig):
     region: Annotated[tuple[int, ...], ListAsTuple] = ()
     """First column, first row, last column and last row [px] that can carry a return at all. While it is empty, what
     the source says counts, or else what `capture` learns from its pictures. `cliffscan calibrate` measures it."""
+    range: Annotated[tuple[float, ...], ListAsTuple] = ()
+    """Least and largest depth [m] along the optical axis that is trusted. While it is empty, what the source says
+    counts."""
 
     # where the camera stands on the base
     x: Annotated[float, Field(ge=-5, le=5)] = TURTLEBOT_2.x
@@ -97,13 +101,19 @@ class CaptureConfig(ServiceConfig):
     """What the Kinect sends: millimetres by its factory calibration, or its raw 11-bit disparities."""
     intrinsics: Annotated[tuple[float, float, float, float], ListAsTuple] = (575.8, 575.8, 314.5, 235.5)
     """The Kinect's fx, fy, cx, cy [px]."""
-    range: Annotated[tuple[float, float], ListAsTuple] = (0.5, 4.5)
-    """Least and largest depth [m] along the optical axis that is trusted."""
+
+    # realsense and openni2
+    serial: Annotated[str, Field(max_length=256)] = ""
+    """Serial number of the camera; while it is empty, the first camera. openni2 takes an OpenNI2 address, too."""
+    size: Annotated[tuple[int, ...], ListAsTuple] = ()
+    """Width and height [px] of the camera's images, one that it offers. While it is empty, the largest counts that has
+    no more than 848x480 pixels."""
 
     @model_validator(mode="after")
     def _possible(self) -> Self:
-        if len(self.region) not in (0, 4):
-            raise ValueError(f"region: {len(self.region)} numbers, expected none or four")
+        for name, numbers, expected in (("region", self.region, 4), ("range", self.range, 2), ("size", self.size, 2)):
+            if len(numbers) not in (0, expected):
+                raise ValueError(f"{name}: {len(numbers)} numbers, expected none or {expected}")
         check_camera(self.kinect())
         return self
 
@@ -124,14 +134,22 @@ class CaptureConfig(ServiceConfig):
 
     def kinect(self) -> Camera:
         """The Kinect as it is mounted."""
-        return Camera(*KINECT, Intrinsics(*self.intrinsics), self.range, self.mounted_floor())
+        return Camera(*KINECT, Intrinsics(*self.intrinsics), self._reach(KINECT_RANGE), self.mounted_floor())
 
     def camera(self, own: Camera) -> Camera:
-        """A source's own camera, with the noise, baseline and region that are configured. Raises ConfigError."""
-        seen = Region(*self.region) if self.region else own.seen
-        camera = replace(own, noise=self.noise or own.noise, baseline=self.baseline or own.baseline, seen=seen)
+        """A source's own camera, with the range, noise, baseline and region that are configured. Raises ConfigError."""
+        camera = replace(
+            own,
+            range=self._reach(own.range),
+            noise=self.noise or own.noise,
+            baseline=self.baseline or own.baseline,
+            seen=Region(*self.region) if self.region else own.seen,
+        )
         try:
             check_camera(camera)
         except ValueError as error:
             raise ConfigError(f"capture.{error}") from error
         return camera
+
+    def _reach(self, own: tuple[float, float]) -> tuple[float, float]:
+        return (self.range[0], self.range[1]) if self.range else own

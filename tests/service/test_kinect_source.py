@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from cliffscan.common.contract.camera import Camera
-from cliffscan.services.capture.sources import kinect, libfreenect
+from cliffscan.services.capture.sources import device_thread, kinect, libfreenect
 from cliffscan.services.capture.sources.depth_source import BadFrame, SourceLost
 from cliffscan.services.capture.sources.kinect import Kinect
 from tests.fakenect_session import (
@@ -194,7 +194,7 @@ def test_a_device_that_goes_is_released_in_order(library, source):
 
 
 def test_a_silent_device_is_lost(source, monkeypatch):
-    monkeypatch.setattr(kinect, "SILENCE", 0.05)
+    monkeypatch.setattr(device_thread, "SILENCE", 0.05)
     with pytest.raises(SourceLost, match="Kinect 0 is silent"):
         source.read(timeout=5.0)
 

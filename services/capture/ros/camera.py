@@ -4,7 +4,7 @@ import logging
 
 from cliffscan.common.contract.camera import Camera, check_camera
 from cliffscan.common.contract.description import Place
-from cliffscan.services.capture.config import CaptureConfig
+from cliffscan.services.capture.config import KINECT_RANGE, CaptureConfig
 from cliffscan.services.capture.ros.calibration import Calibration, info_topic
 from cliffscan.services.capture.ros.mount import BASES, Mount, StaticTransforms
 from cliffscan.services.capture.ros.pictures import CompressedPicture, Picture
@@ -65,7 +65,7 @@ class RosCamera:
             raise BadFrame(f"no CameraInfo on {info_topic(self._topic)}: have the driver publish it beside the image")
         width, height = self.calibration.width, self.calibration.height
         floor, place = self._mount(frame)
-        camera = Camera(width, height, self.calibration.intrinsics(self._topic), self._config.range, floor)
+        camera = Camera(width, height, self.calibration.intrinsics(self._topic), KINECT_RANGE, floor)
         try:
             check_camera(camera)
         except ValueError as error:

@@ -2,16 +2,16 @@
 
 A call of libfreenect may take for ever: its control transfers have no timeout, and a stream stops only when USB
 has handed every buffer back. And USB has to be served without a pause: the buffers in flight hold 32 ms.
-So one thread makes every call, and nobody waits for that thread without a limit.
+So its calls are made by a DeviceThread.
 """
 
 import ctypes
 import logging
-import threading
 import time
 from collections.abc import Callable
-from contextlib import ExitStack, closing
-from typing import Literal
+from contextlib import ExitStack
+from functools import partial
+from typing import Literal, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,8 +20,10 @@ from cliffscan.common.contract.camera import Camera
 from cliffscan.services.capture.config import CaptureConfig
 from cliffscan.services.capture.sources import libfreenect
 from cliffscan.services.capture.sources.depth_source import BadFrame, DepthFrame, SourceLost
+from cliffscan.services.capture.sources.device_thread import TURN, DeviceThread
 
-Pixels = NDArray[np.uint16]
+Pixels: TypeAlias = NDArray[np.uint16]
+Picture: TypeAlias = tuple[Pixels, int]  # and its stamp [ns]
 Mode = Literal["mm", "11bit"]
 
 FORMATS: dict[Mode, int] = {"mm": libfreenect.DEPTH_MM, "11bit": libfreenect.DEPTH_11BIT}
@@ -30,9 +32,7 @@ FARTHEST = 10_000  # [mm] where libfreenect's millimetres end
 NO_DISPARITY = 2047  # raw value of a pixel that saw no pattern
 LARGEST: dict[Mode, int] = {"mm": FARTHEST, "11bit": NO_DISPARITY}
 
-PATIENCE = 0.5  # [s] longest wait for the driver's thread, when opening and when closing
-SILENCE = 3.0  # [s] without a frame until the device counts as lost
-TURN = libfreenect.Timeval(0, 100_000)  # longest turn of the event loop, so how soon the thread sees that it shall end
+REPLUG = "replug its USB and its power"
 
 LEVELS = {
     libfreenect.LOG_FATAL: logging.CRITICAL,
@@ -45,85 +45,37 @@ log = logging.getLogger("kinect")
 
 
 class Kinect:
-    """The depth stream of one Kinect, a queue of one: a frame that nobody has read gives way to the next.
+    """The depth stream of one Kinect.
 
     mode "mm" is calibrated in the factory; "11bit" takes the sensor's raw disparity through one table for all devices.
     A frame's stamp is the host's clock when its last packet had come in: it is late by the sensor's own work and by
     the transfer, which takes nearly a frame period (33 ms).
-
-    Raises SourceLost when the device cannot be opened. One that takes longer than PATIENCE is still opening when the
-    constructor returns; read() then reports how it went.
+    Raises SourceLost when the device cannot be opened, as DeviceThread does.
     """
 
     def __init__(self, camera: Camera, mode: Mode = "mm", index: int = 0) -> None:
-        self._camera, self._mode, self._index = camera, mode, index
-        self._changed = threading.Condition()  # guards the next four
-        self._newest: tuple[Pixels, int] | None = None
-        self._opened = False
-        self._lost = ""
-        self._received_at = time.monotonic()
-        self._closing = threading.Event()
-        name = f"Kinect {index}"
-        if any(thread.name == name for thread in threading.enumerate()):
-            raise SourceLost(f"this process has not let go of {name} yet: unplug it, or restart the service")
-        self._driver = threading.Thread(target=self._drive, name=name, daemon=True)
-        self._driver.start()
-        with self._changed:
-            self._changed.wait_for(lambda: self._opened or self._lost, PATIENCE)
-        if self._lost:
-            self.close()
-            raise SourceLost(self._lost)
+        self._camera, self._mode = camera, mode
+        self._device = DeviceThread[Picture](f"Kinect {index}", REPLUG, partial(DepthStream, mode, index))
 
     def read(self, timeout: float) -> DepthFrame | None:
         """The newest frame not yet read, or None if none came within `timeout` [s].
 
         Raises BadFrame when a frame does not fit the camera or holds impossible values, SourceLost when the device
-        is gone or has sent nothing for SILENCE.
+        is gone or silent.
         """
-        with self._changed:
-            patience = min(timeout, self._received_at + SILENCE - time.monotonic())
-            self._changed.wait_for(lambda: self._newest or self._lost, patience)
-            newest, self._newest = self._newest, None
-            silence = time.monotonic() - self._received_at
-        if newest:
-            return self._frame(*newest)
-        if self._lost:
-            raise SourceLost(self._lost)
-        if silence >= SILENCE:
-            raise SourceLost(f"Kinect {self._index} is silent for {silence:.1f} s: replug its USB and its power")
-        return None
+        picture = self._device.read(timeout)
+        return self._frame(picture) if picture else None
 
     def close(self) -> None:
-        """Release the device. A driver that does not let go of it within PATIENCE is left to itself."""
-        self._closing.set()
-        self._driver.join(PATIENCE)
-        if self._driver.is_alive():
-            log.warning("Kinect %d does not close; its thread is left to wait for it", self._index)
+        """Release the device."""
+        self._device.close()
 
-    def _frame(self, pixels: Pixels, stamp: int) -> DepthFrame:
+    def _frame(self, picture: Picture) -> DepthFrame:
+        pixels, stamp = picture
         expected = (self._camera.height, self._camera.width)
         if pixels.shape != expected:
             raise BadFrame(f"the Kinect's frame has {pixels.shape} (rows, columns), the camera is set to {expected}")
         return DepthFrame(millimetres(pixels, self._mode), stamp, self._camera, PERIOD)
-
-    def _drive(self) -> None:
-        """The driver's thread: open the stream, serve it until close(), release it."""
-        try:
-            with closing(DepthStream(self._mode, self._index, self._arrived)) as stream:
-                with self._changed:
-                    self._opened, self._received_at = True, time.monotonic()
-                    self._changed.notify_all()
-                while not self._closing.is_set():
-                    stream.serve()
-        except SourceLost as lost:
-            with self._changed:
-                self._lost = str(lost)
-                self._changed.notify_all()
-
-    def _arrived(self, pixels: Pixels, stamp: int) -> None:
-        with self._changed:
-            self._newest, self._received_at = (pixels, stamp), time.monotonic()
-            self._changed.notify_all()
 
 
 def open_configured(config: CaptureConfig) -> Kinect:
@@ -161,7 +113,7 @@ class DepthStream:
     Raises SourceLost, naming the remedy, when the device cannot be opened or is gone.
     """
 
-    def __init__(self, mode: Mode, index: int, arrived: Callable[[Pixels, int], None]) -> None:
+    def __init__(self, mode: Mode, index: int, arrived: Callable[[Picture], None]) -> None:
         try:
             self._library = libfreenect.load()
         except OSError as error:
@@ -179,7 +131,8 @@ class DepthStream:
 
     def serve(self) -> None:
         """Handle what USB has for us, for at most TURN."""
-        result = self._library.freenect_process_events_timeout(self._context, ctypes.byref(TURN))
+        turn = libfreenect.Timeval(0, round(TURN * 1e6))
+        result = self._library.freenect_process_events_timeout(self._context, ctypes.byref(turn))
         if result < 0 and result != libfreenect.LIBUSB_ERROR_INTERRUPTED:  # a signal is no fault of the device
             raise SourceLost(f"Kinect {self._index} is gone (error {result}): check its USB and its power")
 
@@ -209,14 +162,14 @@ class DepthStream:
         self._library.freenect_set_depth_mode(self._device, self._layout)
         self._library.freenect_set_depth_callback(self._device, self._on_depth)
         if self._library.freenect_start_depth(self._device) < 0:
-            raise SourceLost(f"Kinect {self._index} does not start ({self._reason}): replug its USB and its power")
+            raise SourceLost(f"Kinect {self._index} does not start ({self._reason}): {REPLUG}")
         release.callback(self._library.freenect_stop_depth, self._device)
 
     def _copy_frame(self, _device: int, pixels: int, _ticks: int) -> None:
         stamp = time.time_ns()
         rows, columns = self._layout.height, self._layout.width
         buffer = (ctypes.c_uint16 * (rows * columns)).from_address(pixels)
-        self._arrived(np.array(buffer).reshape(rows, columns), stamp)
+        self._arrived((np.array(buffer).reshape(rows, columns), stamp))
 
     def _write_log(self, _context: int, level: int, message: bytes) -> None:
         """Pass a line on, but not one that repeats the one before: a bad cable yields hundreds a second."""
@@ -234,4 +187,4 @@ def remedy(reason: str) -> str:
         return "install the udev rules of libfreenect0.5, join the group plugdev, and replug it"
     if reason.endswith(("-6", "BUSY")):
         return "another program has it"
-    return "replug its USB and its power"
+    return REPLUG

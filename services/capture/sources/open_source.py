@@ -23,4 +23,8 @@ def open_source(config: CaptureConfig, service: Service[CaptureConfig] | None = 
         raise ConfigError(
             f"capture.source {config.source} needs {error.name}: pip install 'cliffscan[{kind.extra}]'"
         ) from error
+    except ImportError as error:
+        raise ConfigError(
+            f"capture.source {config.source} cannot load its library ({error}): apt install {kind.debian}"
+        ) from error
     return source

@@ -38,9 +38,9 @@ def make():
 
 
 def test_a_frame_has_the_intrinsics_of_its_camera_info_and_the_configured_mount(make):
-    frame = make(height=0.4, pitch=10.0, range=(0.2, 6.0)).frame(picture())
+    frame = make(height=0.4, pitch=10.0).frame(picture())
     assert frame.camera.intrinsics == Intrinsics(3.0, 2.5, 1.0, 0.5)
-    assert (frame.camera.width, frame.camera.height, frame.camera.range) == (3, 2, (0.2, 6.0))
+    assert (frame.camera.width, frame.camera.height, frame.camera.range) == (3, 2, (0.5, 4.5))
     assert frame.camera.floor == FloorPlane.from_mount(0.4, math.radians(10.0))
     assert (frame.stamp, frame.place) == (5 * SECOND, TURTLEBOT_2)
     assert frame.depth.tolist() == [[0, 500, 1000], [1500, 2000, 65535]]
