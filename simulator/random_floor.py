@@ -10,7 +10,7 @@ from random import Random
 from cliffscan.simulator.scene import Rectangle, Scene
 
 START = Rectangle(-0.5, 0.9, -0.5, 0.5)  # [m] nothing is here
-PASSAGE = 0.6  # [m] left free around each thing
+PASSAGE = 0.6  # [m] left free around each thing, for a TurtleBot 2
 THICK = 0.1  # [m] of walls
 FLOOR = -0.15  # [m] underside of the floor
 ABYSS = -3.5  # [m] what is under everything
@@ -18,9 +18,9 @@ TRIES = 60  # to find a place before a thing is left out
 RISER, TREAD = 0.17, 0.28  # [m] of stairs
 
 
-def random_floor(seed: int) -> str:
-    """The MuJoCo XML of the random floor of a seed."""
-    plan = FloorPlan(seed)
+def random_floor(seed: int, passage: float = PASSAGE) -> str:
+    """The MuJoCo XML of the random floor of a seed, with that room [m] around each thing."""
+    plan = FloorPlan(seed, passage)
     plan.divide()
     plan.hole("hole_0")  # first, for it finds a place nearly always
     for kind, least, most in (
@@ -40,11 +40,13 @@ def random_floor(seed: int) -> str:
 class FloorPlan:
     """A floor with walls around, on which things find their places one after the other."""
 
-    def __init__(self, seed: int) -> None:
+    def __init__(self, seed: int, passage: float) -> None:
         self.random = Random(seed)
+        self._passage = passage
         self.scene = Scene(f"random_{seed}")
         between = self.random.uniform
-        self.outer = Rectangle(-between(1.2, 4.0), between(3.5, 7.0), -between(1.5, 4.0), between(1.5, 4.0))
+        room = Rectangle(-between(1.2, 4.0), between(3.5, 7.0), -between(1.5, 4.0), between(1.5, 4.0))
+        self.outer = Rectangle(*(passage / PASSAGE * side for side in room))
         self._taken = [START]
         self._cuts: list[Rectangle] = []
 
@@ -128,7 +130,7 @@ class FloorPlan:
             self.scene.box(f"wall_{number}", wall, 0.0, height, "wall")
 
     def _partition(self, name: str, x: float) -> None:
-        door = self.random.uniform(0.9, 1.2)
+        door = self.random.uniform(0.9, 1.2) + self._passage - PASSAGE
         near = self.random.uniform(self.outer.near + 0.2, self.outer.far - 0.2 - door)
         wall = Rectangle(x - THICK / 2, x + THICK / 2, self.outer.near, self.outer.far)
         height = self.random.uniform(0.8, 2.5)
@@ -139,7 +141,7 @@ class FloorPlan:
     def _place(self, width: float, depth: float) -> Rectangle | None:
         """A free part of the floor of a size [m], with a passage around it; None where none is found."""
         for _ in range(TRIES):
-            room = self.outer.grown(-PASSAGE)
+            room = self.outer.grown(-self._passage)
             if room.right - room.left < width or room.far - room.near < depth:
                 return None
             left, near = (
@@ -147,7 +149,7 @@ class FloorPlan:
                 self.random.uniform(room.near, room.far - depth),
             )
             area = Rectangle(left, left + width, near, near + depth)
-            if not any(area.grown(PASSAGE).meets(taken) for taken in self._taken):
+            if not any(area.grown(self._passage).meets(taken) for taken in self._taken):
                 self._taken.append(area)
                 return area
         return None

@@ -1,6 +1,7 @@
 """A simulated world: its MuJoCo model and the robot's place in it."""
 
 import math
+import re
 from importlib.resources import files
 from typing import NamedTuple
 
@@ -9,7 +10,7 @@ import numpy as np
 
 from cliffscan.common.contract.camera import Camera, Floats, axes
 from cliffscan.common.runtime.suggest import suggest
-from cliffscan.simulator.random_floor import random_floor
+from cliffscan.simulator.random_floor import PASSAGE, random_floor
 from cliffscan.simulator.world_names import RANDOM, world_names
 
 SCENE = 0  # the geom group of what stands in the room; a robot's geoms belong to another, unseen by its own camera
@@ -24,16 +25,18 @@ class Pose(NamedTuple):
 
 
 START = Pose()
+RANDOM_FLOOR = re.compile(rf"{RANDOM}(\d+)(?::(\d\.\d+))?")  # a seed, and the room [m] around each thing
 
 
 def world_source(name: str) -> str:
     """A world's MuJoCo XML. Raises ValueError for an unknown name; the message lists the known ones."""
-    if name.startswith(RANDOM) and name.removeprefix(RANDOM).isdecimal():
-        return random_floor(int(name.removeprefix(RANDOM)))
+    if numbers := RANDOM_FLOOR.fullmatch(name):
+        seed, passage = numbers.groups()
+        return random_floor(int(seed), float(passage or PASSAGE))
     known = world_names()
     if name not in known:
         raise ValueError(
-            f"no world is named {name!r}; there are {', '.join(known)} and {RANDOM}SEED{suggest(name, known)}"
+            f"no world is named {name!r}; there are {', '.join(known)} and {RANDOM}SEED[:PASSAGE]{suggest(name, known)}"
         )
     return (files("cliffscan.simulator") / "worlds" / f"{name}.xml").read_text(encoding="utf-8")
 

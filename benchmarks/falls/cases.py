@@ -7,6 +7,8 @@ from typing import NamedTuple, Self, get_args
 from benchmarks.falls.bases import Base
 from benchmarks.falls.perception import Mode
 
+WIDE = 1.2  # [m] left free around each thing for a robot that needs 0.96 m to turn on the spot
+
 
 class Case(NamedTuple):
     """A run: the world `random:<seed>`, and everything random in the run, follow from the seed."""
@@ -30,7 +32,8 @@ class Case(NamedTuple):
     @property
     def world(self) -> str:
         """The simulator's name of its world."""
-        return f"random:{self.seed}"
+        passage = "" if self.base == "turtlebot2" else f":{WIDE}"
+        return f"random:{self.seed}{passage}"
 
     @classmethod
     def parse(cls, text: str) -> Self:

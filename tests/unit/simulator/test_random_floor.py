@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cliffscan.simulator.random_floor import START, random_floor, slice_of, without
+from cliffscan.simulator.random_floor import PASSAGE, START, FloorPlan, random_floor, slice_of, without
 from cliffscan.simulator.robot import RobotSimulation
 from cliffscan.simulator.scene import Rectangle
 from cliffscan.simulator.truth import BODY, floor_edge, obstacle
@@ -73,3 +73,9 @@ def test_slices_are_equal_and_in_order(along_x, backward):
     assert not any(one.meets(other) for one, other in combinations(slices, 2))
     starts = [part.left if along_x else part.near for part in slices]
     assert starts == ([2.0, 1.0, 0.0] if backward else [0.0, 1.0, 2.0])
+
+
+def test_a_floor_for_a_larger_robot_is_larger_too():
+    for_turtlebots, for_larger_ones = FloorPlan(5, PASSAGE), FloorPlan(5, 2 * PASSAGE)
+    assert for_larger_ones.outer == tuple(2 * side for side in for_turtlebots.outer)
+    assert World("random:5:0.6").model.ngeom == World("random:5").model.ngeom
