@@ -7,6 +7,7 @@ import re
 import socket
 import sys
 from collections.abc import Callable
+from pathlib import Path
 from typing import get_args
 
 from cliffscan.calibrate import calibrate
@@ -22,6 +23,7 @@ from cliffscan.listing import list_keys, list_robots
 from cliffscan.live import alive
 from cliffscan.run import add_run
 from cliffscan.services.capture.config import CaptureConfig
+from cliffscan.services.capture.sources.open_source import installed
 from cliffscan.simulator.world_names import RANDOM, world_names
 from cliffscan.status import status
 from cliffscan.supervisor import ConfigRefused
@@ -91,6 +93,39 @@ def mount(arguments: argparse.Namespace, bus: Bus, stop: StopSignal) -> int:
     return calibrate(bus, arguments.seconds, nominal, stop)
 
 
+def recording(arguments: argparse.Namespace) -> CaptureConfig:
+    """The configuration with which capture would replay a recording. Raises ConfigError."""
+    path, topic = arguments.recording, arguments.topic
+    if not path.exists():
+        raise ConfigError(f"{path}: no such file or folder")
+    given = ["capture.source=replay", f"capture.path={path}", *([f"capture.topic={topic}"] if topic else [])]
+    return configuration.load("capture", CaptureConfig, arguments.config, [*arguments.set, *given])
+
+
+def check(arguments: argparse.Namespace, stop: StopSignal) -> int:
+    """Say what is in a recording."""
+    with installed("replay"):
+        from cliffscan.check_data import check_data
+
+        return check_data(arguments.recording, recording(arguments), stop)
+
+
+def convert(arguments: argparse.Namespace, stop: StopSignal) -> int:
+    """Make a depth folder of a recording."""
+    with installed("replay"):
+        from cliffscan import convert
+
+        return convert.convert(recording(arguments), arguments.folder, arguments.every, stop)
+
+
+def count(text: str) -> int:
+    """A whole number from 1 on."""
+    value = int(text)
+    if value < 1:
+        raise argparse.ArgumentTypeError(f"{text}, expected 1 or more")
+    return value
+
+
 def seconds(text: str) -> float:
     """A time span [s] that ends."""
     value = float(text)
@@ -121,6 +156,15 @@ def on_bus(
             return work(arguments, bus, stop)
 
     return command
+
+
+def add_recording(parser: argparse.ArgumentParser) -> None:
+    """Add a recording and how it is read."""
+    parser.add_argument(
+        "recording", type=Path, metavar="PATH", help="a depth folder, a ROS 1 bag, a ROS 2 bag or an MCAP file"
+    )
+    parser.add_argument("--topic", default="", metavar="T", help="the depth topic, where there are several")
+    options.add_config(parser)
 
 
 def build_parser() -> argparse.ArgumentParser:
@@ -180,6 +224,11 @@ def build_parser() -> argparse.ArgumentParser:
     measured = add("calibrate", on_bus(mount), "Measure the camera's mount from the floor; print its configuration.")
     options.add_config(measured)
     measured.add_argument("--seconds", type=seconds, default=5.0, metavar="S", help="how long to look at the floor")
+    checked = add("check-data", check, "Say what is in a recording, what is assumed, and what is wrong.", add_recording)
+    checked.epilog = "Exits with 1 where a robot would suffer from something. --set gives what the recording lacks."
+    converted = add("convert", convert, "Make a depth folder of a recording.", add_recording)
+    converted.add_argument("folder", type=Path, metavar="DIR", help="a new or an empty folder")
+    converted.add_argument("--every", type=count, default=1, metavar="N", help="each N-th image only")
     driven = add(
         "drive", on_bus(lambda a, bus, stop: drive(bus, stop, a.linear, a.angular)), "Drive with the keyboard."
     )

@@ -29,6 +29,7 @@ from cliffscan.services.capture.sources.recorded import Origins, RecordedImage
 
 Four = tuple[float, float, float, float]
 LEVEL = (0.0, -1.0, 0.0, 0.3)  # a floor below any camera
+CAMERA_FILE = "camera.json"
 LONGEST_PERIOD = 1e4  # [s] that a message can tell
 
 
@@ -161,7 +162,7 @@ def usual_step(stamps: Sequence[int]) -> float | None:
 
 def read_camera(folder: Path) -> CameraFile:
     """The folder's `camera.json`. Raises ConfigError, also where no frame can have such a camera."""
-    path = folder / "camera.json"
+    path = folder / CAMERA_FILE
     try:
         file = CameraFile.model_validate_json(path.read_bytes())
         check_camera(file.camera(file.intrinsics, file.floor or LEVEL))

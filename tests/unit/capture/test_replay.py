@@ -249,3 +249,15 @@ def test_keys_nobody_knows_are_ignored(folder):
     about = json.loads((folder / "camera.json").read_text()) | {"source": "a robot", "frames": {"000": {"pose": [1]}}}
     (folder / "camera.json").write_text(json.dumps(about))
     assert millimetres(frames_of(played(folder, 30, loop=False), 1)) == [1000]
+
+
+@pytest.mark.parametrize("loop", [True, False])
+def test_a_folder_without_a_good_frame_ends_with_the_remedy(folder, loop):
+    for png in folder.glob("*.png"):
+        png.write_bytes(b"")
+    source = played(folder, 30, loop)
+    for _ in range(3):
+        with pytest.raises(BadFrame):
+            source.read(0.1)
+    with pytest.raises(ConfigError, match="no image in it can be used; `cliffscan check-data` says why"):
+        source.read(0.1)

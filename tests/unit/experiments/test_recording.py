@@ -1,4 +1,4 @@
-"""A depth folder: every frame that can be used is counted, some are drawn, and what cannot is told."""
+"""A recording: every frame that can be used is counted, some are drawn, and what cannot is told."""
 
 import io
 import json
@@ -14,6 +14,7 @@ from experiments import recording as experiment
 from experiments.recording import run_recording
 from experiments.run import Run
 from tests import scenes
+from tests.recordings import record
 
 CAMERA = scenes.camera()
 DEPTHS = [scenes.depth(CAMERA, wall=wall) for wall in (2.0, 2.5, 3.0, 3.5)]
@@ -80,3 +81,11 @@ def test_what_the_services_would_refuse_is_refused(run, folder, text):
     run.overrides.append(text)
     with pytest.raises(ConfigError):
         run_recording(run, folder)
+
+
+@pytest.mark.parametrize("kind", ["bag", "sqlite", "mcap of its project"])
+def test_a_recording_of_ros_is_counted_but_for_what_is_damaged(run, tmp_path, monkeypatch, kind):
+    monkeypatch.setattr(experiment, "MOST_PICTURES", 0)
+    run_recording(run, record(tmp_path, kind, DEPTHS, CAMERA.intrinsics, 0.3, damaged=[1]))
+    assert "leaving out a message that cannot be decoded" in said(run)
+    assert "3 of 4 frames" in (run.out / "drive.md").read_text()
