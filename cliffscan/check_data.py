@@ -125,8 +125,8 @@ def floor(facts: Facts) -> str:
 def wrongs(facts: Facts, stamped: bool) -> Iterator[str]:
     """What a robot would suffer from, each with its remedy."""
     if facts.lost:
-        total = len(facts.lost) + len(facts.stamps)
-        yield f"{len(facts.lost)} of {total} images are lost to a robot; {facts.lost[0]}"
+        total = facts.missing + len(facts.stamps)
+        yield f"{facts.missing} of {total} images are lost to a robot; {facts.lost[0]}"
     if facts.camera is None:
         yield "no image can be used: mend what is above, or record again"
         return

@@ -24,17 +24,18 @@ OTHER_UNITS = (0.1, 0.2, 0.25, 10.0)  # [mm] in which depths are written by some
 
 @dataclass
 class Facts:
-    """What was seen. stamps [ns] of the good frames; lost: the others, each with the reason.
+    """What was seen. stamps [ns] of the good frames; lost: of the others those that can be told apart, with the reason.
 
-    repeats: frames that equal the one before bit for bit. camera, place: the first frame's; None, and the configured
-    one, where no frame is good. counts: how often each depth [mm] occurs in the frames that were measured.
-    unit [mm]: in which the depths make a floor where they make none in millimetres.
+    missing: how many are not good. repeats: frames that equal the one before bit for bit. camera, place: the first
+    frame's; None, and the configured one, where no frame is good. counts: how often each depth [mm] occurs in the frames
+    that were measured. unit [mm]: in which the depths make a floor where they make none in millimetres.
     """
 
     place: Place
     camera: Camera | None = None
     stamps: list[int] = field(default_factory=list)
     lost: list[str] = field(default_factory=list)
+    missing: int = 0
     repeats: int = 0
     counts: NDArray[np.int64] = field(default_factory=lambda: np.zeros(LARGEST, np.int64))
     survey: FloorSurvey = field(default_factory=FloorSurvey)
@@ -49,7 +50,8 @@ def inspect(recorded: Recorded, config: CaptureConfig, stop: StopSignal) -> Fact
     step = max(1, -(-len(recorded) // MEASURED))
     for image in recorded.images():
         if stop.is_set():
-            break
+            facts.missing = len(facts.lost)
+            return facts
         try:
             frame = image.read()
         except BadFrame as error:
@@ -65,6 +67,7 @@ def inspect(recorded: Recorded, config: CaptureConfig, stop: StopSignal) -> Fact
         facts.stamps.append(frame.stamp)
         facts.repeats += last is not None and bool(frame.depth.any()) and np.array_equal(last, frame.depth)
         last = frame.depth
+    facts.missing = len(recorded) - len(facts.stamps)
     if facts.survey.seen < ENOUGH * facts.survey.frames:
         facts.unit = next((unit for unit in OTHER_UNITS if has_floor(some, unit)), 1.0)
     return facts

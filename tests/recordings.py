@@ -1,6 +1,7 @@
 """Recordings of a depth camera by others' writers: rosbags' of both ROS, and the MCAP project's own."""
 
 import numpy as np
+from mcap.reader import make_reader
 from mcap.writer import Writer as McapWriter
 from rosbags.rosbag1 import Writer as Writer1
 from rosbags.rosbag2 import StoragePlugin
@@ -90,3 +91,12 @@ def by_mcap(path, store, written):
             writer.add_message(channels[name], log_time=stamp, publish_time=stamp, data=raw)
         writer.finish()
     return path
+
+
+def break_chunk(path, number):
+    """Damage the last byte of a chunk of an MCAP file; -1 is its last one."""
+    with path.open("rb") as file:
+        chunk = make_reader(file).get_summary().chunk_indexes[number]
+    content = bytearray(path.read_bytes())
+    content[chunk.chunk_start_offset + chunk.chunk_length - 1] ^= 255
+    path.write_bytes(content)

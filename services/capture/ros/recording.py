@@ -158,8 +158,8 @@ def _opened(path: Path) -> AnyReader:
 
 
 def _why(error: Exception) -> str:
-    """One line."""
-    return " ".join(f"{error or type(error).__name__}".split())
+    """One line, without a full stop."""
+    return " ".join(f"{error}".split()).rstrip(".") or type(error).__name__
 
 
 def _stamp(message: Any) -> int:  # noqa: ANN401

@@ -4,13 +4,12 @@ from contextlib import closing, suppress
 from itertools import pairwise
 
 import pytest
-from mcap.reader import make_reader
 
 from cliffscan.common.runtime.config import ConfigError
 from cliffscan.services.capture.config import CaptureConfig
 from cliffscan.services.capture.sources.depth_source import BadFrame, SourceEnded
 from cliffscan.services.capture.sources.open_source import open_source
-from tests.recordings import DEPTHS, KINDS, TOPIC, record, stamp_of
+from tests.recordings import DEPTHS, KINDS, TOPIC, break_chunk, record, stamp_of
 
 
 def opened(path, **settings):
@@ -50,11 +49,7 @@ def test_a_damaged_message_costs_its_frame_only(tmp_path, kind):
 
 def test_where_a_file_is_damaged_between_its_messages_it_ends_with_one_line(tmp_path):
     path = record(tmp_path, "mcap of its project")
-    with path.open("rb") as file:
-        chunk = make_reader(file).get_summary().chunk_indexes[-2]  # of the last image, before its CameraInfo
-    content = bytearray(path.read_bytes())
-    content[chunk.message_index_offsets[max(chunk.message_index_offsets)] - 8] ^= 255
-    path.write_bytes(content)
+    break_chunk(path, -2)  # of the last image, before its CameraInfo
     source = opened(path, loop=False)
     assert [source.read(1.0).stamp for _ in range(2)] == [stamp_of(0), stamp_of(1)]
     with pytest.raises(BadFrame, match=r"the rest of drive.mcap cannot be read \(.*\): mend one that was cut by"):

@@ -12,7 +12,7 @@ from cliffscan.common.contract.camera import FloorPlane
 from cliffscan.common.runtime.service import StopSignal
 from cliffscan.services.capture.config import CaptureConfig
 from tests import scenes
-from tests.recordings import SECOND, TOPIC, record
+from tests.recordings import SECOND, TOPIC, break_chunk, record
 
 CAMERA = scenes.camera(160, 120, FloorPlane.from_mount(0.45))
 DICE = np.random.default_rng(4)
@@ -119,6 +119,13 @@ def test_a_mount_that_is_a_little_wrong_is_told_with_the_right_one(tmp_path, che
 def test_what_a_robot_would_suffer_from_is_told_with_a_remedy(tmp_path, check, options, settings, why):
     _, wrong = check(recorded(tmp_path, **options), **settings)
     assert any(re.search(why, line) for line in wrong), wrong
+
+
+def test_a_file_that_ends_early_has_lost_all_that_it_promised(tmp_path, check):
+    path = recorded(tmp_path, "mcap of its project", shots(4))
+    break_chunk(path, -6)  # of the second image
+    _, wrong = check(path)
+    assert re.match(r"3 of 4 images are lost to a robot; 000001: the rest of drive.mcap cannot be read", wrong[0])
 
 
 def test_intrinsics_of_another_image_are_told(tmp_path, check):
