@@ -26,9 +26,10 @@ OTHER_UNITS = (0.1, 0.2, 0.25, 10.0)  # [mm] in which depths are written by some
 class Facts:
     """What was seen. stamps [ns] of the good frames; lost: of the others those that can be told apart, with the reason.
 
-    missing: how many are not good. repeats: frames that equal the one before bit for bit. camera, place: the first
-    frame's; None, and the configured one, where no frame is good. counts: how often each depth [mm] occurs in the frames
-    that were measured. unit [mm]: in which the depths make a floor where they make none in millimetres.
+    missing: how many are not good. repeats: frames that equal the one before bit for bit.
+    camera, place: the first frame's; None, and the configured one, where no frame is good.
+    counts: how often each depth [mm] occurs in the frames that were measured.
+    unit [mm]: in which the depths make a floor where they make none in millimetres.
     """
 
     place: Place
