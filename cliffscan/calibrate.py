@@ -1,52 +1,33 @@
 """`cliffscan calibrate`: measure how the camera is mounted and what its sensor is like, from the floor that it sees."""
 
-import math
 import sys
 import time
 from collections.abc import Iterator
-from typing import NamedTuple, Self, TypeVar
+from dataclasses import replace
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cliffscan.common.contract.camera import FloorPlane, Region
-from cliffscan.common.contract.limits import LEAST_NOISE
 from cliffscan.common.contract.message import Message, MessageError
 from cliffscan.common.contract.messages import DepthImage, ServiceStatus
 from cliffscan.common.contract.topics import DEPTH, STATUS
 from cliffscan.common.runtime.bus import Bus
 from cliffscan.common.runtime.latest_queue import LatestQueue
 from cliffscan.common.runtime.service import PATIENCE, StopSignal
+from cliffscan.floor_survey import UNITS, FloorSurvey, Noise
 from cliffscan.plain import plain
-from cliffscan.services.capture.floor.noise import deviation, deviations
-from cliffscan.services.capture.floor.tracker import FloorTracker
-from cliffscan.services.capture.region import RegionLearner
 
 M = TypeVar("M", bound=Message)
 
 FIRST = 5.0  # [s] in which a capture that works has sent a frame
 ENOUGH = 0.5  # share of the frames in which floor must be seen
-UNITS = np.array([1e3, 180 / math.pi, 180 / math.pi])  # [mm], [deg], [deg]
 STILL = (5.0, 0.5, 0.5)  # [mm], [deg], [deg] by which frames of a camera at rest may differ: standard deviations
 
 
 class NotMeasured(Exception):
     """The mount could not be measured; the text is one line that says why and what to do."""
-
-
-class Noise(NamedTuple):
-    """Standard deviations [1/m] of the inverse depth about the floor: about all of it, its near and its far half."""
-
-    whole: float
-    near: float
-    far: float
-
-    @classmethod
-    def of(cls, frames: list[NDArray[np.float64]]) -> Self:
-        """The noise of each frame's deviations (n,), from the nearest outward."""
-        halves = [np.array_split(each, 2) for each in frames]
-        near, far = (np.concatenate([each[half] for each in halves]) for half in (0, 1))
-        return cls(*(max(deviation(each), LEAST_NOISE) for each in (np.concatenate([near, far]), near, far)))
 
 
 class Measurement(NamedTuple):
@@ -126,28 +107,16 @@ def measure(images: Iterator[DepthImage], nominal: FloorPlane | None) -> Measure
 
     A person vouches for a floor without a hole, so one view is enough for the region.
     """
-    tracker: FloorTracker | None = None
-    seen: list[tuple[float, ...]] = []
-    errors: list[NDArray[np.float64]] = []
-    learner, region = RegionLearner(views=1), None
-    total = 0
+    survey = FloorSurvey(views=1)
     for image in images:
-        total += 1
-        depth = image.depth
-        region = learner.update(depth)
-        tracker = tracker or FloorTracker(nominal or image.camera.floor)
-        floor = tracker.update(depth, image.camera)
-        if tracker.measured:
-            seen.append((*floor.mount(), tracker.residual, tracker.share))
-            errors.append(deviations(depth, image.camera, floor))
-    if tracker is None or len(seen) < ENOUGH * total:
-        why = f": {tracker.note}" if tracker and tracker.note else ""
-        raise NotMeasured(f"floor seen in {len(seen)} of {total} frames{why}; show the camera level, empty floor")
-    table = np.array(seen)
-    noise = Noise.of(errors)
-    measurement = Measurement(
-        table[:, :3], noise, region, total, *(float(each) for each in np.median(table[:, 3:], axis=0))
-    )
+        nominal = nominal or image.camera.floor
+        survey.add(image.depth, replace(image.camera, floor=nominal))
+    if not survey.frames or survey.seen < ENOUGH * survey.frames:
+        why = f": {survey.note}" if survey.note else ""
+        raise NotMeasured(
+            f"floor seen in {survey.seen} of {survey.frames} frames{why}; show the camera level, empty floor"
+        )
+    measurement = Measurement(survey.mounts(), survey.noise(), survey.region, survey.frames, *survey.fit())
     _check_still(measurement)
     return measurement
 

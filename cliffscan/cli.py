@@ -24,6 +24,7 @@ from cliffscan.drive import PRIORITY, drive
 from cliffscan.echo import echo
 from cliffscan.listing import list_keys, list_robots
 from cliffscan.live import alive
+from cliffscan.recorded import add_recorded
 from cliffscan.recording.commands import add_recording
 from cliffscan.router import route
 from cliffscan.run import add_run
@@ -259,6 +260,7 @@ def build_parser() -> argparse.ArgumentParser:
     calibrating.add_argument("--free", type=free_floor, default=1.5, metavar="M", help=f"with --base: {free}")
     calibrating.add_argument("--speed", type=speed_limit, default=0.5, metavar="M/S", help=f"with --base: {speed}")
     calibrating.add_argument("--turn", type=turn_limit, default=60.0, metavar="DEG/S", help=f"with --base: {turn}")
+    add_recorded(add)
     driven = add(
         "drive",
         on_bus(lambda a, bus, stop: drive(bus, stop, a.linear, a.angular)),

@@ -13,9 +13,9 @@ from cliffscan.common.runtime.service import USAGE_ERROR, StopSignal
 from cliffscan.supervisor import ConfigRefused
 from evaluation.processes.steering import Step, To
 from evaluation.processes.watch import Failed
-from experiments.folder import run_folder
 from experiments.map_system import Mapper
 from experiments.mapping import ROUND, run_mapping
+from experiments.recording import run_recording
 from experiments.run import Run
 from experiments.watched import run_view
 from experiments.worlds import run_worlds
@@ -30,7 +30,7 @@ def build_parser() -> argparse.ArgumentParser:
     """All options."""
     parser = argparse.ArgumentParser(prog="demo", description=DESCRIPTION)
     what = parser.add_mutually_exclusive_group()
-    what.add_argument("--data", type=Path, metavar="DIR", help="play this depth folder instead of the simulator")
+    what.add_argument("--data", type=Path, metavar="PATH", help="a depth folder, ROS bag or MCAP file to draw")
     what.add_argument("--world", action="append", metavar="NAME", help="a simulated world (default: the paper's two)")
     what.add_argument("--map", action="store_true", help="the mapping experiment only")
     parser.add_argument("--frames", type=positive, default=30, metavar="N", help="frames of each world (default 30)")
@@ -83,7 +83,7 @@ def main() -> None:
         parser.error(f"--out: {error}")
     try:
         if arguments.data:
-            run_folder(run, arguments.data)
+            run_recording(run, arguments.data)
         else:
             if not arguments.map:
                 run_worlds(run, arguments.world or WORLDS, arguments.frames)

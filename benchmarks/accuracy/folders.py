@@ -9,8 +9,8 @@ import numpy as np
 from benchmarks.accuracy.frames import Frame
 from benchmarks.accuracy.scans import Others, all_beams
 from cliffscan.common.runtime.config import ConfigError
+from cliffscan.services.capture.sources.depth_folder import images_of, read_camera, read_depth
 from cliffscan.services.capture.sources.depth_source import BadFrame
-from cliffscan.services.capture.sources.replay import images_of, read_camera, read_depth
 from evaluation.census import census, census_table
 
 

@@ -32,21 +32,15 @@ class Add(Protocol):
 
 def add_recording(add: Add) -> None:
     """Add record, play, recover and replay-check."""
-    _add_record(
-        add(
-            "record",
-            record,
-            "Record a robot into an MCAP file that ROS tools open too; Ctrl-C ends it.",
-            role="recorder",
-        )
-    )
+    text = "Record a robot into an MCAP file that ROS tools open too; Ctrl-C ends it."
+    _add_record(add("record", record, text, role="recorder"))
     _add_play(add("play", play, "Publish a recording as it came, of a broken file too."))
     text = "Make a whole file of one whose writer was killed."
-    mended = add("recover", recover, text, lambda _parser: None)
+    mended = add("recover", recover, text, lambda _parser: None, role="")
     mended.add_argument("broken", type=Path, metavar="BROKEN.mcap")
     mended.add_argument("fixed", type=Path, metavar="FIXED.mcap")
     text = "Compute a recording's scans again with the services as they are now; exit 1 where they differ."
-    _add_replay_check(add("replay-check", replay_check, text, options.add_config))
+    _add_replay_check(add("replay-check", replay_check, text, options.add_config, role=""))
 
 
 def _add_record(parser: argparse.ArgumentParser) -> None:

@@ -12,7 +12,7 @@ from cliffscan.common.contract.messages import DepthImage
 from cliffscan.common.runtime.service import PATIENCE, Service, main
 from cliffscan.services.capture.config import CaptureConfig
 from cliffscan.services.capture.description import Description
-from cliffscan.services.capture.floor.tracker import FloorTracker
+from cliffscan.services.capture.floor.tracker import FloorTracker, tracker_of
 from cliffscan.services.capture.region import RegionLearner
 from cliffscan.services.capture.sources.depth_source import BadFrame, DepthFrame, Source, SourceEnded, SourceLost
 from cliffscan.services.capture.sources.frozen import REPEATED, FrozenWatch
@@ -112,7 +112,6 @@ def located(
 ) -> Iterator[DepthFrame]:
     """The frames of one source, each with the floor that is seen in it, or as they are where the floor is fixed.
 
-    A tracker starts from a frame's own floor. A frame that comes with another one is of another mount.
     standing: what the status notes beside where the floor is.
     """
     tracker: FloorTracker | None = None
@@ -121,9 +120,7 @@ def located(
             service.note = standing()
             yield frame
             continue
-        nominal = frame.camera.floor
-        if tracker is None or tracker.nominal != nominal:
-            tracker = FloorTracker(nominal)
+        tracker = tracker_of(frame.camera.floor, tracker)
         floor = tracker.update(frame.depth, frame.camera)
         service.note = "; ".join(filter(None, (standing(), tracker.note)))
         if not tracker.measured:

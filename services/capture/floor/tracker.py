@@ -73,6 +73,11 @@ class FloorTracker:
         return self._rays[1]
 
 
+def tracker_of(nominal: FloorPlane, last: FloorTracker | None) -> FloorTracker:
+    """The last tracker, or a new one: a frame that comes with another nominal floor is of another mount."""
+    return last if last and last.nominal == nominal else FloorTracker(nominal)
+
+
 def _possible(floor: FloorPlane) -> FloorPlane:
     """The same plane. Raises Unseen where common.geometry refuses a camera over it."""
     if abs(floor.nz) > STEEPEST_AXIS or floor.d > HIGHEST_CAMERA:

@@ -22,8 +22,13 @@ class RosCamera:
         self._config, self._topic = config, topic
         self.calibration: Calibration | None = None
         self.transforms = StaticTransforms()
+        self.mounted = ""  # where the last frame's mount comes from, in words
         self._stamp: int | None = None
         self._told = ""
+
+    def restart(self) -> None:
+        """Pictures begin anew, as those of a recording do."""
+        self._stamp = None
 
     def complete(self, frame: str) -> bool:
         """Whether all that may be known of pictures of a frame is known."""
@@ -49,12 +54,13 @@ class RosCamera:
         except ValueError as error:
             raise BadFrame(f"{error}: correct /tf_static") from error
         mount = found or Mount(self._config.mounted_floor(), self._config.place())
-        height, pitch, roll = mount.floor.mount()
-        told = (
-            f"the mount of {frame!r} by /tf_static: {height:.3f} m high, {pitch:.3f} rad down, rolled {roll:.3f} rad"
+        self.mounted = (
+            f"by /tf_static of {frame!r}"
             if found
-            else f"no static transform leads from {' or '.join(BASES)} to {frame!r}: the configured mount is taken"
+            else f"as configured, for no static transform leads from {' or '.join(BASES)} to {frame!r}"
         )
+        height, pitch, roll = mount.floor.mount()
+        told = f"the mount {self.mounted}: {height:.3f} m high, {pitch:.3f} rad down, rolled {roll:.3f} rad"
         if told != self._told:
             self._told = told
             log.info("%s", told)

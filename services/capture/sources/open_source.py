@@ -1,5 +1,7 @@
 """The source that the configuration names."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from importlib import import_module
 
 from cliffscan.common.runtime.config import ConfigError
@@ -16,15 +18,22 @@ def open_source(config: CaptureConfig, service: Service[CaptureConfig] | None = 
     Raises SourceLost where its device is not there, ConfigError where it can never be opened.
     """
     kind = KINDS[config.source]
-    try:
+    with installed(config.source):
         module = import_module(f"{__package__}.{kind.module}")
         source: Source = module.open_configured(*((config, service) if kind.networked else (config,)))
+    return source
+
+
+@contextmanager
+def installed(source: str) -> Iterator[None]:
+    """Raises ConfigError, with what to install, where a library of a source is missing."""
+    try:
+        yield
     except ModuleNotFoundError as error:
         raise ConfigError(
-            f"capture.source {config.source} needs {error.name}: pip install 'cliffscan[{kind.extra}]'"
+            f"capture.source {source} needs {error.name}: pip install 'cliffscan[{KINDS[source].extra}]'"
         ) from error
     except ImportError as error:
         raise ConfigError(
-            f"capture.source {config.source} cannot load its library ({error}): apt install {kind.debian}"
+            f"capture.source {source} cannot load its library ({error}): apt install {KINDS[source].debian}"
         ) from error
-    return source

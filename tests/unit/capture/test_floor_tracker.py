@@ -12,7 +12,7 @@ from hypothesis.extra import numpy as arrays
 
 from cliffscan.common.contract.camera import Camera, FloorPlane, axes, check_camera
 from cliffscan.services.capture.floor.tracker import FloorTracker
-from cliffscan.services.capture.sources.replay import read_camera, read_depth
+from cliffscan.services.capture.sources.depth_folder import read_camera, read_depth
 from tests import scenes
 
 REAL = Path(__file__).parents[2] / "data/real"

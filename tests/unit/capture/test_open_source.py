@@ -59,7 +59,7 @@ def test_a_missing_library_is_named_with_the_extra_that_brings_it(source, missin
     module = "cliffscan.services.capture.sources." + {"replay": "replay", "simulator": "simulated"}[source]
     for name in list(sys.modules):
         if (
-            name in (module, "cliffscan.services.capture.sources.depth_png")
+            name in (module, *(f"cliffscan.services.capture.sources.{each}" for each in ("depth_folder", "depth_png")))
             or name.split(".")[0] == missing
             or name.startswith("cliffscan.simulator")
         ):

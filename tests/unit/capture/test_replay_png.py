@@ -11,8 +11,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from PIL import Image
 
+from cliffscan.services.capture.sources.depth_folder import DepthFolder, read_depth
 from cliffscan.services.capture.sources.depth_source import BadFrame
-from cliffscan.services.capture.sources.replay import Replay, read_depth
+from cliffscan.services.capture.sources.replay import Replay
 from tests import scenes
 from tests.build import depth_folder
 
@@ -141,7 +142,7 @@ def test_a_strange_chunk_is_bad_or_does_no_harm(path, kind, content):
 def test_a_file_that_goes_away_or_is_none_is_bad(tmp_path):
     folder = depth_folder(tmp_path, count=2)
     (folder / "000a.png").mkdir()
-    source = Replay(folder, 1000, loop=False)
+    source = Replay(DepthFolder(folder), 1000, loop=False)
     (folder / "001.png").unlink()
     assert source.read(1.0)
     for name in ("000a", "001"):

@@ -58,8 +58,8 @@ def test_the_static_transforms_are_the_mount_and_each_change_is_told_once(make, 
     assert all(frame.camera.floor == pytest.approx((0.0, -1.0, 0.0, 0.7)) for frame in frames)
     assert all(frame.place == pytest.approx((0.2, 0.0, 0.0)) for frame in frames)
     assert [record.message.partition(":")[0] for record in caplog.records] == [
-        "no static transform leads from base_footprint or base_link to 'eye'",
-        "the mount of 'eye' by /tf_static",
+        "the mount as configured, for no static transform leads from base_footprint or base_link to 'eye'",
+        "the mount by /tf_static of 'eye'",
     ]
 
 

@@ -3,71 +3,13 @@
 from contextlib import closing, suppress
 from itertools import pairwise
 
-import numpy as np
 import pytest
-from rosbags.rosbag1 import Writer as Writer1
-from rosbags.rosbag2 import StoragePlugin
-from rosbags.rosbag2 import Writer as Writer2
-from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 from cliffscan.common.runtime.config import ConfigError
 from cliffscan.services.capture.config import CaptureConfig
-from cliffscan.services.capture.sources.depth_source import SourceEnded
+from cliffscan.services.capture.sources.depth_source import BadFrame, SourceEnded
 from cliffscan.services.capture.sources.open_source import open_source
-
-SECOND = 1_000_000_000  # [ns]
-START = 100 * SECOND
-DEPTHS = [np.full((2, 3), value, np.uint16) for value in (500, 600, 700)]
-TOPIC, INFO = "/camera/depth/image_rect_raw", "/camera/depth/camera_info"
-KINDS = ["bag", "sqlite", "mcap folder", "db3 file", "mcap file"]
-
-
-def header(store, stamp, frame, ros1):
-    time = store.types["builtin_interfaces/msg/Time"](stamp // SECOND, stamp % SECOND)
-    kind = store.types["std_msgs/msg/Header"]
-    return kind(0, time, frame) if ros1 else kind(time, frame)
-
-
-def messages(store, ros1, topic):
-    """Each message with its topic, type and stamp."""
-    types = store.types
-    point, turn = types["geometry_msgs/msg/Vector3"](0.1, 0.0, 0.7), types["geometry_msgs/msg/Quaternion"]
-    moved = types["geometry_msgs/msg/Transform"](point, turn(-0.5, 0.5, -0.5, 0.5))
-    joint = types["geometry_msgs/msg/TransformStamped"](header(store, START, "base_link", ros1), "eye", moved)
-    yield "/tf_static", "tf2_msgs/msg/TFMessage", START, types["tf2_msgs/msg/TFMessage"]([joint])
-    k, p = np.array([3.0, 0, 1, 0, 2.5, 0.5, 0, 0, 1]), np.zeros(12)
-    for number, depth in enumerate(DEPTHS):
-        stamp = START + number * SECOND // 10
-        head = header(store, stamp, "eye", ros1)
-        image = types["sensor_msgs/msg/Image"](head, 2, 3, "16UC1", 0, 6, depth.view(np.uint8).ravel())
-        yield topic, "sensor_msgs/msg/Image", stamp, image
-        region = types["sensor_msgs/msg/RegionOfInterest"](0, 0, 0, 0, False)
-        info = types["sensor_msgs/msg/CameraInfo"](head, 2, 3, "", np.zeros(5), k, np.eye(3).ravel(), p, 0, 0, region)
-        yield f"{topic.rpartition('/')[0]}/camera_info", "sensor_msgs/msg/CameraInfo", stamp, info
-
-
-def record(folder, kind, topics=(TOPIC,)):
-    """A recording of depth topics, and its path."""
-    ros1 = kind == "bag"
-    store = get_typestore(Stores.ROS1_NOETIC if ros1 else Stores.ROS2_HUMBLE)
-    if ros1:
-        definition = "geometry_msgs/TransformStamped[] transforms"
-        store.register(get_types_from_msg(definition, "tf2_msgs/msg/TFMessage"))
-        path = folder / "drive.bag"
-        writer = Writer1(path)
-    else:
-        path = folder / "drive"
-        plugin = StoragePlugin.MCAP if "mcap" in kind else StoragePlugin.SQLITE3
-        writer = Writer2(path, version=9, storage_plugin=plugin)
-    with writer:
-        connections = {}
-        for topic in topics:
-            for name, kind_of, stamp, message in messages(store, ros1, topic):
-                if name not in connections:
-                    connections[name] = writer.add_connection(name, kind_of, typestore=store)
-                raw = store.serialize_ros1(message, kind_of) if ros1 else store.serialize_cdr(message, kind_of)
-                writer.write(connections[name], stamp, raw)
-    return next(path.glob(f"*.{kind.split()[0]}")) if kind.endswith("file") else path
+from tests.own_recordings import DEPTHS, KINDS, TOPIC, break_chunk, record, stamp_of
 
 
 def opened(path, **settings):
@@ -88,11 +30,31 @@ def frames(source):
 def test_a_recording_is_played_with_its_stamps_camera_and_mount(tmp_path, kind):
     played = frames(opened(record(tmp_path, kind), loop=False))
     assert [frame.depth.tolist() for frame in played] == [depth.tolist() for depth in DEPTHS]
-    assert [frame.stamp for frame in played] == [START + number * SECOND // 10 for number in range(3)]
+    assert [frame.stamp for frame in played] == [stamp_of(number) for number in range(3)]
     for frame in played:
         assert frame.camera.intrinsics == (3.0, 2.5, 1.0, 0.5)
         assert frame.camera.floor == pytest.approx((0.0, -1.0, 0.0, 0.7))
         assert frame.place == pytest.approx((0.1, 0.0, 0.0))
+
+
+@pytest.mark.parametrize("kind", ["bag", "sqlite", "mcap of its project"])
+def test_a_damaged_message_costs_its_frame_only(tmp_path, kind):
+    source = opened(record(tmp_path, kind, damaged=[1]), loop=False)
+    assert source.read(1.0).stamp == stamp_of(0)
+    with pytest.raises(BadFrame, match="a message that cannot be decoded") as told:
+        source.read(1.0)
+    assert "\n" not in str(told.value)
+    assert [frame.stamp for frame in frames(source)] == [stamp_of(2)]
+
+
+def test_where_a_file_is_damaged_between_its_messages_it_ends_with_one_line(tmp_path):
+    path = record(tmp_path, "mcap of its project")
+    break_chunk(path, -2)  # of the last image, before its CameraInfo
+    source = opened(path, loop=False)
+    assert [source.read(1.0).stamp for _ in range(2)] == [stamp_of(0), stamp_of(1)]
+    with pytest.raises(BadFrame, match=r"the rest of drive.mcap cannot be read \(.*\): mend one that was cut by"):
+        source.read(1.0)
+    assert frames(source) == []
 
 
 def test_a_further_round_goes_on_from_the_last_stamp(tmp_path):
@@ -106,7 +68,7 @@ def test_a_further_round_goes_on_from_the_last_stamp(tmp_path):
 
 
 def test_of_several_depth_topics_one_is_named(tmp_path):
-    path = record(tmp_path, "bag", [TOPIC, "/rear/depth/image"])
+    path = record(tmp_path, "bag", topics=[TOPIC, "/rear/depth/image"])
     with pytest.raises(ConfigError, match=f"2 depth topics: set capture.topic to one of {TOPIC}, /rear/depth/image"):
         opened(path)
     assert len(frames(opened(path, topic="/rear/depth/image", loop=False))) == 3

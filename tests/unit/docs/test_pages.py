@@ -56,7 +56,7 @@ def test_files_that_are_named_exist(page):
 
 def test_commands_exist(page):
     commands = next(action.choices for action in build_parser()._actions if action.choices)
-    for name, word in re.findall(r"(?:^|`|/bin/)cliffscan ([a-z-]+)(?: ([a-z]+)\b)?", code(page), re.MULTILINE):
+    for name, word in re.findall(r"(?:^|`|/bin/)cliffscan ([a-z][a-z-]*)(?: ([a-z]+)\b)?", code(page), re.MULTILINE):
         assert name in commands
         assert name != "run" or not word or word in service_names()
 

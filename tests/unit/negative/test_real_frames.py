@@ -11,7 +11,7 @@ import pytest
 from cliffscan.common.contract.camera import scan_axes
 from cliffscan.common.contract.depth_codec import RAW
 from cliffscan.common.contract.messages import DepthImage
-from cliffscan.services.capture.sources.replay import read_camera, read_depth
+from cliffscan.services.capture.sources.depth_folder import read_camera, read_depth
 from cliffscan.services.negative.config import NegativeConfig
 from cliffscan.services.negative.scans import beams_by_method
 

@@ -1,4 +1,4 @@
-"""A depth folder: every frame that can be used is counted, some are drawn, and what cannot is told."""
+"""A recording: every frame that can be used is counted, some are drawn, and what cannot is told."""
 
 import io
 import json
@@ -10,10 +10,11 @@ from rich.console import Console
 
 from cliffscan.common.runtime.config import ConfigError
 from cliffscan.common.runtime.service import StopSignal
-from experiments import folder as experiment
-from experiments.folder import run_folder
+from experiments import recording as experiment
+from experiments.recording import run_recording
 from experiments.run import Run
 from tests import scenes
+from tests.own_recordings import record
 
 CAMERA = scenes.camera()
 DEPTHS = [scenes.depth(CAMERA, wall=wall) for wall in (2.0, 2.5, 3.0, 3.5)]
@@ -47,7 +48,7 @@ def drawn(run):
 
 def test_of_many_frames_some_are_drawn_evenly_and_all_counted(run, folder, monkeypatch):
     monkeypatch.setattr(experiment, "MOST_PICTURES", 2)
-    run_folder(run, folder)
+    run_recording(run, folder)
     assert drawn(run) == ["frames_f0", "frames_f3"]
     assert "4 of 4 frames" in (run.out / "frames.md").read_text()
 
@@ -56,7 +57,7 @@ def test_bad_frames_are_left_out_and_told(run, folder, monkeypatch):
     monkeypatch.setattr(experiment, "MOST_PICTURES", 1)
     (folder / "f1.png").write_bytes((folder / "f1.png").read_bytes()[:60])
     Image.fromarray(np.zeros((5, 5), np.uint16)).save(folder / "f2.png")
-    run_folder(run, folder)
+    run_recording(run, folder)
     assert all(f"leaving out {name}" in said(run) for name in ("f1.png", "f2.png"))
     assert "2 of 4 frames" in (run.out / "frames.md").read_text()
 
@@ -64,19 +65,27 @@ def test_bad_frames_are_left_out_and_told(run, folder, monkeypatch):
 def test_a_folder_without_a_usable_frame_is_refused(run, folder):
     for png in folder.glob("*.png"):
         png.write_bytes(b"")
-    with pytest.raises(ConfigError, match="no usable PNG in it"):
-        run_folder(run, folder)
+    with pytest.raises(ConfigError, match="no usable image in it"):
+        run_recording(run, folder)
     for png in folder.glob("*.png"):
         png.unlink()
     with pytest.raises(ConfigError, match="no PNG in it"):
-        run_folder(run, folder)
+        run_recording(run, folder)
     (folder / "camera.json").unlink()
     with pytest.raises(ConfigError, match=r"camera\.json: No such file"):
-        run_folder(run, folder)
+        run_recording(run, folder)
 
 
 @pytest.mark.parametrize("text", ["scan.beams=none", "positive.robot_height=no", "fuse.timeout=-1"])
 def test_what_the_services_would_refuse_is_refused(run, folder, text):
     run.overrides.append(text)
     with pytest.raises(ConfigError):
-        run_folder(run, folder)
+        run_recording(run, folder)
+
+
+@pytest.mark.parametrize("kind", ["bag", "sqlite", "mcap of its project"])
+def test_a_recording_of_ros_is_counted_but_for_what_is_damaged(run, tmp_path, monkeypatch, kind):
+    monkeypatch.setattr(experiment, "MOST_PICTURES", 0)
+    run_recording(run, record(tmp_path, kind, DEPTHS, CAMERA.intrinsics, 0.3, damaged=[1]))
+    assert "leaving out a message that cannot be decoded" in said(run)
+    assert "3 of 4 frames" in (run.out / "drive.md").read_text()
