@@ -21,7 +21,8 @@ def configured(path, **settings):
 
 def frames(config):
     with closing(open_recorded(config)) as recorded:
-        return [image.read() for image in recorded.images()]
+        read = [image.read() for image in recorded.images()]
+    return [frame._replace(camera=config.camera(frame.camera)) for frame in read]
 
 
 def same(one, other):
