@@ -23,6 +23,7 @@ from cliffscan.drive import PRIORITY, drive
 from cliffscan.echo import echo
 from cliffscan.listing import list_keys, list_robots
 from cliffscan.live import alive
+from cliffscan.parts import NO_BASE, WORKSTATION, Part, bases, listening
 from cliffscan.router import route
 from cliffscan.run import add_run
 from cliffscan.secure.command import add_keys
@@ -30,7 +31,7 @@ from cliffscan.services.capture.config import CaptureConfig
 from cliffscan.simulator.world_names import RANDOM, world_names
 from cliffscan.status import status
 from cliffscan.supervisor import ConfigRefused
-from cliffscan.system import ENDPOINT, SECURE_ENDPOINT, TURN, Base, Plan, System
+from cliffscan.system import TURN, Plan, System
 from cliffscan.welcome import welcome
 
 SIMULATED = "simulated"
@@ -61,14 +62,25 @@ def up(arguments: argparse.Namespace, stop: StopSignal) -> int:
 
 def plan_of(arguments: argparse.Namespace) -> Plan:
     """What is to be started. Raises ConfigError."""
-    listen = arguments.listen or [SECURE_ENDPOINT if arguments.secure else ENDPOINT]
-    common = arguments.robot, listen, arguments.connect, arguments.config, arguments.set
-    doors = {"secure": arguments.secure, "insecure": arguments.insecure}
-    if arguments.base == SIMULATED:
-        return Plan(*common, world=arguments.world or WORLD, **doors)
-    if arguments.world:
-        raise ConfigError(f"--world {arguments.world} is for a simulated robot; leave out --base {arguments.base}")
-    return Plan(*common, base=arguments.base, **doors)
+    part, base = arguments.part, arguments.base or (NO_BASE if arguments.part == WORKSTATION else SIMULATED)
+    if part == WORKSTATION and (arguments.base or arguments.world):
+        given = f"--base {arguments.base}" if arguments.base else f"--world {arguments.world}"
+        raise ConfigError(f"{given}: camera and base are of --part robot: leave it out")
+    if arguments.world and base != SIMULATED:
+        raise ConfigError(f"--world {arguments.world} is for a simulated robot; leave out --base {base}")
+    return Plan(
+        arguments.robot,
+        arguments.listen or [listening(part, bool(arguments.secure))],
+        arguments.connect,
+        arguments.config,
+        arguments.set,
+        base=NO_BASE if base == SIMULATED else base,
+        world=(arguments.world or WORLD) if base == SIMULATED else "",
+        secure=arguments.secure,
+        insecure=arguments.insecure,
+        part=part,
+        perception=arguments.perception,
+    )
 
 
 def router(arguments: argparse.Namespace, stop: StopSignal) -> int:
@@ -128,6 +140,30 @@ def on_bus(
     return command
 
 
+def add_plan(parser: argparse.ArgumentParser) -> None:
+    """Add what says which services are started, for plan_of()."""
+    parser.add_argument(
+        "--part",
+        choices=get_args(Part),
+        help="one of two hosts: the robot's camera and base, or the workstation's services. All are here by default",
+    )
+    parser.add_argument(
+        "--perception",
+        action="store_true",
+        help="one process for all scans; with --part robot it is on the robot, for a thin link",
+    )
+    parser.add_argument(
+        "--base",
+        choices=(SIMULATED, *bases()),
+        metavar="BASE",
+        help=f"{SIMULATED} with its camera; real, on kobuki.port; none; or a service. All but {SIMULATED}, the default,"
+        " need capture.source",
+    )
+    parser.add_argument(
+        "--world", default="", metavar="NAME", help=f"where the simulated robot is, {WORLD} unless another is given"
+    )
+
+
 def build_parser() -> argparse.ArgumentParser:
     """All commands and their options."""
     parser = argparse.ArgumentParser(prog="cliffscan", description="Laser scans that show where the floor ends.")
@@ -161,15 +197,7 @@ def build_parser() -> argparse.ArgumentParser:
     )
     options.add_config(started)
     options.add_dump_config(started)
-    started.add_argument(
-        "--base",
-        choices=(SIMULATED, *get_args(Base)),
-        default=SIMULATED,
-        help="simulated with its camera; real, on kobuki.port; or none. The last two need capture.source",
-    )
-    started.add_argument(
-        "--world", default="", metavar="NAME", help=f"where the simulated robot is, {WORLD} unless another is given"
-    )
+    add_plan(started)
     routed = add(
         "router",
         router,
