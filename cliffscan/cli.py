@@ -19,6 +19,7 @@ from cliffscan.common.runtime.bus import Bus, BusError
 from cliffscan.common.runtime.config import ConfigError
 from cliffscan.common.runtime.secure import ROUTERS, SecureError
 from cliffscan.common.runtime.service import USAGE_ERROR, StopSignal, connect, package_version
+from cliffscan.doctor.command import doctor
 from cliffscan.drive import PRIORITY, drive
 from cliffscan.echo import echo
 from cliffscan.listing import list_keys, list_robots
@@ -221,6 +222,16 @@ def build_parser() -> argparse.ArgumentParser:
         "Show which services live, how fast and how late they are, and what is wrong.",
     )
     shown.add_argument("--watch", action="store_true", help="keep the table up to date")
+    examined = add(
+        "doctor",
+        doctor,
+        "Look at this machine and at what arrives of a robot: a line for each finding, with its remedy; exit 1 for a"
+        " fault.",
+        role="recorder",
+    )
+    options.add_config(examined)
+    examined.add_argument("--part", choices=get_args(Part), help="what this host is; both by default")
+    examined.add_argument("--seconds", type=seconds, default=4.0, metavar="S", help="how long to look")
     listed = add(
         "list",
         on_bus(lambda a, bus, stop: list_robots(bus, looked(a), stop) if a.all else list_keys(bus, looked(a), stop)),

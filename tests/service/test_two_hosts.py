@@ -26,9 +26,7 @@ def robots_router(robot, endpoint):
     """A router where the robot should be; what is yielded is set when the workstation has reached it."""
     reached, token = threading.Event(), f"{robot}/alive/router-workstation"
     with opened("router", "listen", endpoint) as session:
-        session.liveliness().declare_subscriber(
-            f"{robot}/alive/router-workstation", lambda _: reached.set(), history=True
-        )
+        session.liveliness().declare_subscriber(token, lambda _: reached.set(), history=True)
         yield reached
 
 

@@ -336,6 +336,7 @@ COMMANDS = [
     "calibrate",
     "drive",
     "echo",
+    "doctor",
 ]
 
 
