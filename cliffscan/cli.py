@@ -8,6 +8,7 @@ import socket
 import sys
 from collections.abc import Callable
 from dataclasses import replace
+from pathlib import Path
 from typing import get_args
 
 from cliffscan.calibrate import calibrate
@@ -24,7 +25,7 @@ from cliffscan.drive import PRIORITY, drive
 from cliffscan.echo import echo
 from cliffscan.listing import list_keys, list_robots
 from cliffscan.live import alive
-from cliffscan.parts import NO_BASE, WORKSTATION, Part, bases, listening
+from cliffscan.parts import NO_BASE, REAL, WORKSTATION, Part, bases, listening
 from cliffscan.router import route
 from cliffscan.run import add_run
 from cliffscan.secure.command import add_keys
@@ -33,6 +34,7 @@ from cliffscan.simulator.world_names import RANDOM, world_names
 from cliffscan.status import status
 from cliffscan.supervisor import ConfigRefused
 from cliffscan.system import TURN, Plan, System
+from cliffscan.systemd import print_units
 from cliffscan.welcome import welcome
 
 SIMULATED = "simulated"
@@ -63,7 +65,7 @@ def up(arguments: argparse.Namespace, stop: StopSignal) -> int:
 
 def plan_of(arguments: argparse.Namespace) -> Plan:
     """What is to be started. Raises ConfigError."""
-    part, base = arguments.part, arguments.base or (NO_BASE if arguments.part == WORKSTATION else SIMULATED)
+    part, base = arguments.part, arguments.base or (NO_BASE if arguments.part == WORKSTATION else arguments.usual_base)
     if part == WORKSTATION and (arguments.base or arguments.world):
         given = f"--base {arguments.base}" if arguments.base else f"--world {arguments.world}"
         raise ConfigError(f"{given}: camera and base are of --part robot: leave it out")
@@ -82,6 +84,18 @@ def plan_of(arguments: argparse.Namespace) -> Plan:
         part=part,
         perception=arguments.perception,
     )
+
+
+def systemd(arguments: argparse.Namespace) -> int:
+    """Print units. Raises ConfigError for what up would refuse."""
+    for name in ("config", "secure"):
+        if given := getattr(arguments, name):
+            setattr(arguments, name, given.resolve())
+    plan = plan_of(arguments)
+    if plan.world:
+        raise ConfigError("--base simulated: units are for a robot: choose another base, and `cliffscan up` to try it")
+    plan.check()
+    return print_units(plan, arguments.user, arguments.out)
 
 
 def router(arguments: argparse.Namespace, stop: StopSignal) -> int:
@@ -141,8 +155,9 @@ def on_bus(
     return command
 
 
-def add_plan(parser: argparse.ArgumentParser) -> None:
-    """Add what says which services are started, for plan_of()."""
+def add_plan(parser: argparse.ArgumentParser, base: str = SIMULATED) -> None:
+    """Add what says which services are started, for plan_of(). base: where none is named."""
+    parser.set_defaults(usual_base=base)
     parser.add_argument(
         "--part",
         choices=get_args(Part),
@@ -157,8 +172,8 @@ def add_plan(parser: argparse.ArgumentParser) -> None:
         "--base",
         choices=(SIMULATED, *bases()),
         metavar="BASE",
-        help=f"{SIMULATED} with its camera; real, on kobuki.port; none; or a service. All but {SIMULATED}, the default,"
-        " need capture.source",
+        help=f"{SIMULATED} with its camera; real, on kobuki.port; none; or a service ({base}). All but {SIMULATED} need"
+        " capture.source",
     )
     parser.add_argument(
         "--world", default="", metavar="NAME", help=f"where the simulated robot is, {WORLD} unless another is given"
@@ -199,6 +214,17 @@ def build_parser() -> argparse.ArgumentParser:
     options.add_config(started)
     options.add_dump_config(started)
     add_plan(started)
+    made = add(
+        "systemd",
+        lambda a, _: systemd(a),
+        "Print the systemd units that start this machine's services when it starts.",
+        options.add_endpoints,
+        role="",
+    )
+    options.add_config(made)
+    add_plan(made, base=REAL)
+    made.add_argument("--user", default="cliffscan", metavar="NAME", help="as whom they run (cliffscan)")
+    made.add_argument("--out", type=Path, metavar="DIR", help="write the units there instead of printing them")
     routed = add(
         "router",
         router,

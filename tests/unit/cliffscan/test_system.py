@@ -337,6 +337,7 @@ COMMANDS = [
     "drive",
     "echo",
     "doctor",
+    "systemd",
 ]
 
 
