@@ -38,11 +38,12 @@ class Floor(NamedTuple):
 
 @dataclass
 class Observation:
-    """All that was received. ways: [ns] the quickest from a service's clock to this one, by the service's name."""
+    """All that was received; by a service's name its ways [ns] to this clock, the quickest, and its rates [Hz]."""
 
     alive: set[str] = field(default_factory=set)
     statuses: dict[str, LastStatus] = field(default_factory=dict)
     ways: dict[str, int] = field(default_factory=dict)
+    rates: dict[str, list[float]] = field(default_factory=dict)
     clocks: Clocks = field(default_factory=Clocks)
     streams: dict[str, list[Arrival]] = field(default_factory=dict)
     floors: list[Floor] = field(default_factory=list)
@@ -70,6 +71,7 @@ class Observation:
 
     def _take_status(self, service: str, status: ServiceStatus, at: int) -> None:
         self.statuses[service] = LastStatus(status, time.monotonic())
+        self.rates.setdefault(service, []).append(status.rate)
         self.clocks.receive(service, status.stamp, at)
         self._take_way(service, at - status.stamp)
 

@@ -99,8 +99,12 @@ def _streams(seen: Observation) -> Iterator[Finding]:
         total += stream.bytes_per_second
         if topic.path in seen.malformed:
             yield fault(topic.path, "carries malformed messages: does a foreign program publish there?")
-        elif arrivals:
-            yield _stream(topic.path, stream, expected[topic.path], _published(seen, topic.writer))
+            continue
+        published = _published(seen, topic.writer)
+        if arrivals:
+            yield _stream(topic.path, stream, expected[topic.path], published)
+        elif published:
+            yield fault(topic.path, f"nothing arrives, though {published:.1f} Hz are published: {THINNER}")
     if total:
         yield ok("link", f"{total / MEGABIT:.1f} Mbit/s of these streams arrive here")
 
@@ -113,19 +117,20 @@ def expected_rates(seen: Observation) -> dict[str, float]:
 
 
 def _published(seen: Observation, writer: str) -> float:
-    """How often [Hz] the service that writes a stream says that it does; infinite where it does not say."""
-    last = seen.statuses.get(writer.partition(",")[0])
-    return last.status.rate if last else math.inf
+    """How often [Hz] the service that writes a stream says that it does; 0 where it does not say."""
+    rates = seen.rates.get(writer.partition(",")[0])
+    return float(np.mean(rates)) if rates else 0.0
 
 
 def _stream(path: str, stream: Stream, expected: float, published: float) -> Finding:
     """What is lost, is lost on the way; what is slow without being lost comes from a slow writer."""
+    counted = path != ODOMETRY.path  # by sequence numbers, which odometry lacks
     figures = f"{stream.rate:.1f} of {expected:.0f} Hz, {stream.bytes_per_second / MEGABIT:.2f} Mbit/s"
-    figures += f", {stream.lost:.1%} lost" * (path != ODOMETRY.path) + f", jitter {1e3 * stream.jitter:.0f} ms"
+    figures += f", {stream.lost:.1%} lost" * counted + f", jitter {1e3 * stream.jitter:.0f} ms"
     remedy = THINNER if path in (DEPTH.path, ODOMETRY.path) else TOO_SLOW
-    missing = max(stream.lost, 1.0 - stream.rate / published if published else 0.0)
-    if missing > 1.0 - SLOW or stream.lost > LOSSY:
-        return (fault if missing > 1.0 - STANDS or stream.lost > BROKEN else warning)(path, f"{figures}: {remedy}")
+    if stream.lost > LOSSY or (not counted and stream.rate < SLOW * published):
+        broken = stream.lost > BROKEN or stream.rate < STANDS * published
+        return (fault if broken else warning)(path, f"{figures}: {remedy}")
     if stream.rate < SLOW * expected:
         return (fault if stream.rate < STANDS * expected else warning)(path, f"{figures}: {SLOW_WRITER}")
     if path == SCAN_FUSED.path and stream.jitter > LATE:

@@ -76,21 +76,23 @@ def test_a_link_that_loses_frames_is_told(keep, level):
     assert "give `--perception` to the robot" in told["camera/depth"].text
 
 
-SLOW = WELL | {"base/odom": 40, "scan/fused": 10}
-SLOW_LEVELS = {"base/odom": Level.WARNING, "scan/fused": Level.FAULT}
+def test_a_slow_writer_is_told_from_a_thin_link():
+    told = found(observed(WELL | {"base/odom": 40, "scan/fused": 10}, odd={"kobuki": {"rate": 40.0}}))
+    assert {name: each.level for name, each in told.items()} == {
+        "base/odom": Level.WARNING,
+        "scan/fused": Level.FAULT,
+    }
+    assert all("what publishes it is slow" in each.text for each in told.values())
+    thin = found(observed(WELL | {"base/odom": 40}))["base/odom"]
+    assert thin.level is Level.WARNING
+    assert "the link is too thin" in thin.text
 
 
-@pytest.mark.parametrize(
-    ("published", "why"),
-    [
-        ({"kobuki": 40.0, "fuse": 10.0}, "what publishes it is slow"),
-        ({}, "link is too thin"),
-    ],
-)
-def test_a_slow_stream_is_told_from_a_thin_link(published, why):
-    told = found(observed(SLOW, odd={name: {"rate": rate} for name, rate in published.items()}))
-    assert {name: each.level for name, each in told.items()} == SLOW_LEVELS
-    assert any(why in each.text for each in told.values())
+def test_frames_of_which_none_arrives_are_told():
+    rates = {path: rate for path, rate in WELL.items() if path != "camera/depth"}
+    told = found(observed(rates))["camera/depth"]
+    assert told.level is Level.FAULT
+    assert told.text.startswith("nothing arrives, though 30.0 Hz are published")
 
 
 @pytest.mark.parametrize(("ahead", "level"), [(0.2, Level.WARNING), (-0.2, Level.WARNING), (10.0, Level.FAULT)])
@@ -123,7 +125,8 @@ def test_a_mount_that_the_floor_contradicts_is_told(mount, level):
 def test_half_of_the_services_are_told_from_the_rest():
     told = found(observed(rates={"camera/depth": 30}, services=["capture", "negative"]))
     levels = {name: each.level for name, each in told.items()}
-    assert levels == {"fuse": Level.FAULT, "positive": Level.FAULT, "kobuki": Level.WARNING}
+    expected = dict.fromkeys(("fuse", "positive", "scan/negative"), Level.FAULT) | {"kobuki": Level.WARNING}
+    assert levels == expected
     assert "cliffscan run fuse" in told["fuse"].text
 
 
