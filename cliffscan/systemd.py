@@ -7,9 +7,10 @@ import grp
 import pwd
 import re
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
+from cliffscan.common.runtime.config import ConfigError
 from cliffscan.system import Plan
 
 TARGET = "cliffscan.target"
@@ -121,16 +122,24 @@ def _word(word: str) -> str:
 
 
 def print_units(plan: Plan, user: str, folder: Path | None) -> int:
-    """Print the units, or write them to a folder; and what is to be done with them."""
+    """Print the units, or write them to a folder; and what is to be done with them. Raises ConfigError."""
     made = units(plan, user)
     if folder:
-        folder.mkdir(parents=True, exist_ok=True)
-        for name, text in made.items():
-            (folder / name).write_text(text, "utf-8")
+        _write(folder, made)
     else:
         print("\n".join(f"# /etc/systemd/system/{name}\n{text}" for name, text in made.items()))
     print(*_next(user, folder), sep="\n", file=sys.stderr)
     return 0
+
+
+def _write(folder: Path, made: Mapping[str, str]) -> None:
+    """Write units to a folder. Raises ConfigError."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        for name, text in made.items():
+            (folder / name).write_text(text, "utf-8")
+    except OSError as error:
+        raise ConfigError(f"--out {error.filename}: {error.strerror}; name a folder that you may write") from error
 
 
 def _next(user: str, folder: Path | None) -> Iterator[str]:

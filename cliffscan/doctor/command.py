@@ -18,7 +18,7 @@ from cliffscan.doctor import devices, host
 from cliffscan.doctor.finding import Finding, Level, fault, ok, warning, worst
 from cliffscan.doctor.observation import Observation, observe
 from cliffscan.doctor.verdicts import verdicts
-from cliffscan.parts import KOBUKI, ROBOT, WORKSTATION
+from cliffscan.parts import KOBUKI, ROBOT, WORKSTATION, bases
 from cliffscan.plain import plain
 from cliffscan.services.capture.config import CaptureConfig
 from cliffscan.services.kobuki.config import KobukiConfig
@@ -70,7 +70,7 @@ def check_devices(arguments: argparse.Namespace, seen: Observation) -> Iterator[
     if seen.body and seen.body.simulated:
         yield ok(devices.BASE, "the base is simulated")
     else:
-        yield devices.check_port(port, _absent(arguments.part, KOBUKI in seen.alive))
+        yield devices.check_port(port, _absent(arguments.part, any(base in seen.alive for base in (KOBUKI, *bases()))))
     if seen.camera and seen.camera.simulated:
         yield ok(devices.CAMERA, "the camera is simulated or recorded")
     elif source in ("", "kinect"):

@@ -92,6 +92,12 @@ def test_what_up_would_refuse_gets_no_units(words, why, tmp_path):
         written(tmp_path, *words)
 
 
+def test_a_folder_that_cannot_be_written_is_told(tmp_path):
+    (tmp_path / "file").touch()
+    with pytest.raises(ConfigError, match=r"--out .*file.*; name a folder that you may write$"):
+        written(tmp_path / "file/units", *KINECT)
+
+
 @pytest.mark.skipif(not shutil.which("systemd-analyze"), reason="systemd-analyze is not here")
 def test_systemd_takes_the_units(part, tmp_path):
     written(tmp_path, *PARTS[part])
