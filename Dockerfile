@@ -1,4 +1,5 @@
 # One image per service: docker build --build-arg SERVICE=negative --tag cliffscan-negative .
+# For other processors: docker buildx build --platform linux/amd64,linux/arm64 …; both have wheels of everything.
 # SERVICE is router, capture, negative, positive, fuse, perception, kobuki, gate or ros2; BASE any Debian with Python >= 3.11 and venv.
 ARG BASE=python:3.11-slim
 FROM $BASE
@@ -30,6 +31,8 @@ RUN pip install --no-deps --force-reinstall .
 
 USER cliffscan
 WORKDIR /home/cliffscan
-ENV SERVICE=$SERVICE
+ENV SERVICE=$SERVICE CLIFFSCAN_ALIVE_FILE=/tmp/alive
+# The service keeps the file while it works, so a look costs no session.
+HEALTHCHECK --interval=10s --timeout=5s --start-period=60s CMD ["test", "-e", "/tmp/alive"]
 ENTRYPOINT ["sh", "-c", \
     "case $SERVICE in router) exec cliffscan router \"$@\" ;; *) exec cliffscan run $SERVICE \"$@\" ;; esac", "--"]

@@ -8,6 +8,7 @@ import socket
 import sys
 from collections.abc import Callable
 from dataclasses import replace
+from pathlib import Path
 from typing import get_args
 
 from cliffscan.calibrate import calibrate
@@ -20,10 +21,12 @@ from cliffscan.common.runtime.bus import Bus, BusError
 from cliffscan.common.runtime.config import ConfigError
 from cliffscan.common.runtime.secure import ROUTERS, SecureError
 from cliffscan.common.runtime.service import USAGE_ERROR, StopSignal, connect, package_version
+from cliffscan.doctor.command import doctor
 from cliffscan.drive import PRIORITY, drive
 from cliffscan.echo import echo
 from cliffscan.listing import list_keys, list_robots
 from cliffscan.live import alive
+from cliffscan.parts import NO_BASE, REAL, WORKSTATION, Part, bases, listening
 from cliffscan.recorded import add_recorded
 from cliffscan.recording.commands import add_recording
 from cliffscan.router import route
@@ -33,7 +36,8 @@ from cliffscan.services.capture.config import CaptureConfig
 from cliffscan.simulator.world_names import RANDOM, world_names
 from cliffscan.status import status
 from cliffscan.supervisor import ConfigRefused
-from cliffscan.system import ENDPOINT, SECURE_ENDPOINT, TURN, Base, Plan, System
+from cliffscan.system import TURN, Plan, System
+from cliffscan.systemd import print_units
 from cliffscan.welcome import welcome
 
 SIMULATED = "simulated"
@@ -65,14 +69,37 @@ def up(arguments: argparse.Namespace, stop: StopSignal) -> int:
 
 def plan_of(arguments: argparse.Namespace) -> Plan:
     """What is to be started. Raises ConfigError."""
-    listen = arguments.listen or [SECURE_ENDPOINT if arguments.secure else ENDPOINT]
-    common = arguments.robot, listen, arguments.connect, arguments.config, arguments.set
-    doors = {"secure": arguments.secure, "insecure": arguments.insecure}
-    if arguments.base == SIMULATED:
-        return Plan(*common, world=arguments.world or WORLD, **doors)
-    if arguments.world:
-        raise ConfigError(f"--world {arguments.world} is for a simulated robot; leave out --base {arguments.base}")
-    return Plan(*common, base=arguments.base, **doors)
+    part, base = arguments.part, arguments.base or (NO_BASE if arguments.part == WORKSTATION else arguments.usual_base)
+    if part == WORKSTATION and (arguments.base or arguments.world):
+        given = f"--base {arguments.base}" if arguments.base else f"--world {arguments.world}"
+        raise ConfigError(f"{given}: camera and base are of --part robot: leave it out")
+    if arguments.world and base != SIMULATED:
+        raise ConfigError(f"--world {arguments.world} is for a simulated robot; leave out --base {base}")
+    return Plan(
+        arguments.robot,
+        arguments.listen or [listening(part, bool(arguments.secure))],
+        arguments.connect,
+        arguments.config,
+        arguments.set,
+        base=NO_BASE if base == SIMULATED else base,
+        world=(arguments.world or WORLD) if base == SIMULATED else "",
+        secure=arguments.secure,
+        insecure=arguments.insecure,
+        part=part,
+        perception=arguments.perception,
+    )
+
+
+def systemd(arguments: argparse.Namespace) -> int:
+    """Print units. Raises ConfigError for what up would refuse."""
+    for name in ("config", "secure"):
+        if given := getattr(arguments, name):
+            setattr(arguments, name, given.resolve())
+    plan = plan_of(arguments)
+    if plan.world:
+        raise ConfigError("--base simulated: units are for a robot: choose another base, and `cliffscan up` to try it")
+    plan.check()
+    return print_units(plan, arguments.user, arguments.out)
 
 
 def router(arguments: argparse.Namespace, stop: StopSignal) -> int:
@@ -168,6 +195,31 @@ def on_bus(
     return command
 
 
+def add_plan(parser: argparse.ArgumentParser, base: str = SIMULATED) -> None:
+    """Add what says which services are started, for plan_of(). base: where none is named."""
+    parser.set_defaults(usual_base=base)
+    parser.add_argument(
+        "--part",
+        choices=get_args(Part),
+        help="one of two hosts: the robot's camera and base, or the workstation's services. All are here by default",
+    )
+    parser.add_argument(
+        "--perception",
+        action="store_true",
+        help="one process for all scans; with --part robot it is on the robot, for a thin link",
+    )
+    parser.add_argument(
+        "--base",
+        choices=(SIMULATED, *bases()),
+        metavar="BASE",
+        help=f"{SIMULATED} with its camera; real, on kobuki.port; none; or a service ({base}). All but {SIMULATED} need"
+        " capture.source",
+    )
+    parser.add_argument(
+        "--world", default="", metavar="NAME", help=f"where the simulated robot is, {WORLD} unless another is given"
+    )
+
+
 def build_parser() -> argparse.ArgumentParser:
     """All commands and their options."""
     parser = argparse.ArgumentParser(prog="cliffscan", description="Laser scans that show where the floor ends.")
@@ -201,16 +253,18 @@ def build_parser() -> argparse.ArgumentParser:
     )
     options.add_config(started)
     options.add_dump_config(started)
-    started.add_argument(
-        "--base",
-        choices=(SIMULATED, *get_args(Base)),
-        default=SIMULATED,
-        help="simulated with its camera; real, a Kobuki on kobuki.port; external, any base behind the service gate; or"
-        " none. All but the first need capture.source",
+    add_plan(started)
+    made = add(
+        "systemd",
+        lambda a, _: systemd(a),
+        "Print the systemd units that start this machine's services when it starts.",
+        options.add_endpoints,
+        role="",
     )
-    started.add_argument(
-        "--world", default="", metavar="NAME", help=f"where the simulated robot is, {WORLD} unless another is given"
-    )
+    options.add_config(made)
+    add_plan(made, base=REAL)
+    made.add_argument("--user", default="cliffscan", metavar="NAME", help="as whom they run (cliffscan)")
+    made.add_argument("--out", type=Path, metavar="DIR", help="write the units there instead of printing them")
     routed = add(
         "router",
         router,
@@ -234,6 +288,16 @@ def build_parser() -> argparse.ArgumentParser:
         "Show which services live, how fast and how late they are, and what is wrong.",
     )
     shown.add_argument("--watch", action="store_true", help="keep the table up to date")
+    examined = add(
+        "doctor",
+        doctor,
+        "Look at this machine and at what arrives of a robot: a line for each finding, with its remedy; exit 1 for a"
+        " fault.",
+        role="recorder",
+    )
+    options.add_config(examined)
+    examined.add_argument("--part", choices=get_args(Part), help="what this host is; both by default")
+    examined.add_argument("--seconds", type=options.positive, default=4.0, metavar="S", help="how long to look")
     listed = add(
         "list",
         on_bus(lambda a, bus, stop: list_robots(bus, looked(a), stop) if a.all else list_keys(bus, looked(a), stop)),

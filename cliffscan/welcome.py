@@ -1,6 +1,7 @@
 """What `cliffscan up` prints first: what it starts, and what to type next."""
 
-from cliffscan.system import ENDPOINT, SECURE_ENDPOINT, Plan
+from cliffscan.parts import GATE, NO_BASE, WORKSTATION, listening
+from cliffscan.system import Plan
 
 
 def welcome(plan: Plan) -> str:
@@ -13,7 +14,7 @@ def welcome(plan: Plan) -> str:
         f"  cliffscan list{options}      all live keys",
         f"  cliffscan view{options}      a page in the browser",
     ]
-    if plan.guard:
+    if plan.base_service:
         lines.append(f"  cliffscan drive{options}     with the keyboard")
     if plan.world:
         lines.append("Another world: cliffscan up --world NAME (cliffscan up --help has the names)")
@@ -23,18 +24,25 @@ def welcome(plan: Plan) -> str:
 
 
 def _started(plan: Plan) -> str:
+    if plan.part == WORKSTATION:
+        return f"{', '.join(plan.services)}, for the robot at {', '.join(plan.join) or 'the host that its keys name'}"
+    here = _robot(plan)
+    return f"{here}; the workstation connects to {plan.listen[0]}" if plan.part else here
+
+
+def _robot(plan: Plan) -> str:
     if plan.world:
         return f"a simulated TurtleBot 2 in the world {plan.world}"
     camera = f"the camera {plan.camera().source}"
-    if plan.base == "external":
+    if plan.base == GATE:
         return f"the gate for a base that publishes base/odom and obeys base/cmd_vel_safe, and {camera}"
-    return f"a real base and {camera}" if plan.base == "real" else f"{camera}, without a base"
+    return f"{camera}, without a base" if plan.base == NO_BASE else f"a real base and {camera}"
 
 
 def _options(plan: Plan) -> str:
     """What the other commands need to find this robot."""
     robot = f" --robot {plan.robot}" if plan.robot != Plan.robot else ""
-    usual = SECURE_ENDPOINT if plan.secure else ENDPOINT
+    usual = listening(None, bool(plan.secure))
     where = f" --connect {plan.endpoint}" if plan.endpoint != usual else ""
     keys = f" --secure {plan.secure}" if plan.secure else ""
     return robot + where + keys

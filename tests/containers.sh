@@ -15,7 +15,7 @@ engine=  # process id of the engine started here
 base=  # process id of the emulated base
 compose=(docker compose)
 export COMPOSE_PROJECT_NAME=cliffscan-test COMPOSE_PROFILES=robot,workstation DOCKER_BUILDKIT=0
-export CAPTURE_SOURCE=simulator
+export CAPTURE_SOURCE=simulator ROBOT_HOST=router-robot
 export BASE_IMAGE=${BASE_IMAGE:-python:3.11-slim}
 
 say() { printf '== %s\n' "$*"; }
@@ -109,6 +109,12 @@ env --unset=CAPTURE_SOURCE "${compose[@]}" config --quiet 2>"$work/refused" && e
 grep 'say where depth frames come from' "$work/refused"
 KOBUKI_PORT=/dev/null "${compose[@]}" run --rm --no-deps kobuki 2>"$work/refused" && exit 1
 grep 'a real base does not drive by other frames' "$work/refused"
+
+say "no workstation that would join nobody, and no folder in the place of a base"
+env --unset=ROBOT_HOST "${compose[@]}" run --rm --no-deps router-workstation 2>"$work/refused" && exit 1
+grep 'names no host' "$work/refused"
+KOBUKI_PORT=$work/none "${compose[@]}" run --rm --no-deps kobuki 2>"$work/refused" && exit 1
+[[ ! -e $work/none ]]
 
 say "both profiles, healthy"
 "${compose[@]}" up --wait --wait-timeout 180 2>"$work/up.log" || { tail --lines 5 "$work/up.log"; exit 1; }

@@ -17,6 +17,7 @@ from cliffscan.common.contract.message import Message, MessageError, check_size,
 from cliffscan.common.contract.topics import ROBOT_NAME, Topic, alive, most_bytes
 from cliffscan.common.runtime import zenoh_config
 from cliffscan.common.runtime.door import Door, Keys
+from cliffscan.common.runtime.endpoints import parse as endpoint_of
 from cliffscan.common.runtime.foreign_keys import ForeignKeys
 from cliffscan.common.runtime.metrics import ServiceMetrics
 from cliffscan.common.runtime.pace import Pace
@@ -131,7 +132,7 @@ class Bus:
         self._readers.once("door", self._door.watch)
 
     def notice(self) -> str:
-        """What a person should know of this process's keys; empty where there is nothing."""
+        """What a person should know of this process's keys and its links; empty where there is nothing."""
         return self._door.notice()
 
     def beside(self, robot: str) -> Self:
@@ -387,6 +388,11 @@ def check(network: Network) -> None:
     _configured(network)
 
 
+def targets(network: Network) -> list[str]:
+    """The endpoints to which a process connects. Raises BusError as check() does."""
+    return zenoh_config.endpoints_of(_configured(network)[0], "connect/endpoints")
+
+
 def _configured(network: Network) -> tuple[zenoh.Config, Keys | None]:
     """Zenoh's configuration, and the keys where there are some. Raises BusError."""
     try:
@@ -416,9 +422,14 @@ def _open(network: Network, robot: str) -> tuple[zenoh.Session, Door]:
 
 
 def _check_endpoints(network: Network, config: zenoh.Config) -> None:
-    """Raise SecureError where others could connect without keys, or a secured process speaks in the clear."""
+    """Raise SecureError where others could connect without keys, or a secured process speaks in the clear.
+
+    BusError where an endpoint to connect to names no host.
+    """
     listens = zenoh_config.endpoints_of(config, "listen/endpoints")
     connects = zenoh_config.endpoints_of(config, "connect/endpoints")
+    if nameless := [each for each in connects if endpoint_of(each).nameless]:
+        raise BusError(f"--connect {nameless[0]}: names no host: write it as tcp/HOST:7447")
     if network.secure:
         check_secured(network.secure, network.mode, network.listen, [*listens, *connects], network.zenoh_config)
     elif not network.insecure:

@@ -77,6 +77,7 @@ class Door:
         self._linked: Callable[[], bool] = lambda: False
         self._has_token: Callable[[str], bool] = lambda _: False
         self._notice, self._noticed_at = "", -EXPIRY_LOOK
+        self._blocked = ""
 
     def open(self, linked: Callable[[], bool], has_token: Callable[[str], bool]) -> None:
         """The session is there. linked: whether it has a link; has_token: whether a token like this is known."""
@@ -93,7 +94,8 @@ class Door:
         told, wait = "", FIRST_LOOK
         admitted, looks = not (self._keys and self._keys.role), 0
         while not self._closed.wait(wait):
-            why = "" if self._linked() else self.why_closed()
+            linked = self._linked()
+            why = "" if linked else self.why_closed()
             if not (why or admitted or looks == ADMISSION):
                 admitted, looks = self._has_token(f"{self._robot}/{alive('router-$*')}"), looks + 1
                 why = "" if admitted or looks < ADMISSION else self._why_refused()
@@ -101,6 +103,7 @@ class Door:
             if why and why != told:
                 log.warning("nothing passes: %s", why)
             told = why
+            self._blocked = "" if linked and not why else why or f"{', '.join(self._endpoints)}: not connected yet"
 
     def why_closed(self) -> str:
         """Why no endpoint answers; empty where no reason is found."""
@@ -130,7 +133,12 @@ class Door:
             log.warning("%s may not receive %s: a secured router passes nothing of it; %s may", role.name, path, others)
 
     def notice(self) -> str:
-        """What a person should know of the keys; empty where there is nothing."""
+        """What a person should know of the keys, and that nothing passes; empty where there is nothing."""
+        blocked = self._blocked and f"nothing passes: {self._blocked}"
+        return "; ".join(filter(None, (blocked, self._expiring())))
+
+    def _expiring(self) -> str:
+        """What is to be known of the keys; empty where there is nothing."""
         now = time.monotonic()
         if self._keys and now - self._noticed_at >= EXPIRY_LOOK:
             self._noticed_at = now

@@ -21,6 +21,11 @@ class Endpoint(NamedTuple):
         return self.protocol in NETWORKED and not local
 
     @property
+    def nameless(self) -> bool:
+        """Whether it lacks the host that its protocol needs."""
+        return self.protocol in NETWORKED and not self.host
+
+    @property
     def keyed(self) -> bool:
         """Whether what passes is encrypted, and either side may ask for keys."""
         return self.protocol in KEYED

@@ -21,6 +21,7 @@ from cliffscan.common.contract.messages import ServiceStatus, State
 from cliffscan.common.contract.topics import STATUS, Topic
 from cliffscan.common.runtime import config as configuration
 from cliffscan.common.runtime import options
+from cliffscan.common.runtime.alive_file import mark_alive
 from cliffscan.common.runtime.bus import Bus, BusError, Network, NotConnected, Publisher
 from cliffscan.common.runtime.config import ConfigError, ServiceConfig
 from cliffscan.common.runtime.decoder import Decoder
@@ -66,6 +67,7 @@ class Service(Generic[C]):
         self.note = ""
         self.state: State = "starting"
         self._stop = stop
+        mark_alive(False)  # one of a process that was killed
         self._status_publisher = bus.publisher(STATUS.named(name))
         self._born = self._told = time.monotonic()
 
@@ -134,10 +136,12 @@ class Service(Generic[C]):
         """Hold the liveliness token."""
         self.state, self.note = "working", ""
         self.bus.announce(self.name)
+        mark_alive(True)
 
     def waiting(self, note: str) -> None:
         """The service cannot do its work, because of a device, say: withdraw the token until ready() again."""
         self.state, self.note = "waiting", note
+        mark_alive(False)
         self.bus.withdraw()
 
     def publish_status(self) -> None:

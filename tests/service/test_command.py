@@ -178,3 +178,19 @@ def test_echo_refuses_what_is_no_key(place):
     assert refused.returncode == 2
     assert refused.stderr.startswith("cliffscan: 'scan//fused' is no key: ")
     assert refused.stderr.count("\n") == 1
+
+
+def test_the_doctor_finds_what_is_there_and_what_is_not(client, start, place):
+    start("fuse")
+    looked = ask("doctor", *place, "--seconds", "1.5", "--part", "workstation")
+    assert looked.returncode == 1
+    assert re.search(r"^\w+ +fuse +working", looked.stdout, re.MULTILINE)
+    assert re.search(r"^fault +capture +is not found: `cliffscan run capture`", looked.stdout, re.MULTILINE)
+    assert re.search(r"^warning +kobuki +is not found", looked.stdout, re.MULTILINE)
+    assert "base port" not in looked.stdout
+
+
+def test_the_doctor_names_a_router_that_is_not_there():
+    looked = ask("doctor", "--connect", free_endpoint(), "--mode", "client")
+    assert looked.returncode == 1
+    assert "Connection refused: is a router running there?" in looked.stdout

@@ -154,6 +154,88 @@ def test_keys_are_looked_at_before_anything_is_started(tmp_path):
         plan.check()
 
 
+def part(*words):
+    return plan_of(build_parser().parse_args(["up", *words]))
+
+
+ROBOT, WORKSTATION = ("--part", "robot", "--insecure"), ("--part", "workstation", "--connect", "tcp/robot:7447")
+CAMERA = ("--base", "real", "--set", "capture.source=kinect")
+
+
+@pytest.mark.parametrize(
+    ("words", "services"),
+    [
+        ([*ROBOT], ["capture", "kobuki"]),
+        ([*ROBOT, *CAMERA], ["capture", "kobuki"]),
+        ([*ROBOT, *CAMERA, "--perception"], ["capture", "perception", "kobuki"]),
+        ([*ROBOT, "--base", "none", "--set", "capture.source=kinect"], ["capture"]),
+        ([*WORKSTATION], ["negative", "positive", "fuse"]),
+        ([*WORKSTATION, "--perception"], ["perception"]),
+        (["--perception"], ["capture", "perception", "kobuki"]),
+    ],
+)
+def test_each_part_starts_its_own_services(words, services):
+    plan = part(*words)
+    plan.check()
+    assert plan.services == services
+    assert "cliffscan status" in welcome(plan)
+
+
+def test_the_two_parts_meet_at_the_robots_port():
+    robot, workstation = part(*ROBOT), part(*WORKSTATION)
+    assert option(robot.router(), "--listen") == ["tcp/0.0.0.0:7447"]
+    assert option(workstation.router(), "--listen") == ["tcp/127.0.0.1:7447"]
+    assert option(workstation.router(), "--connect") == ["tcp/robot:7447"]
+    assert [option(each.router(), "--name") for each in (robot, workstation)] == [["robot"], ["workstation"]]
+    assert robot.endpoint == workstation.endpoint == "tcp/127.0.0.1:7447"
+
+
+def test_with_keys_the_parts_have_the_keys_of_their_roles(tmp_path):
+    keys = tmp_path / "keys"
+    KeyFolder(keys).init("turtlebot", ["robot.local"])
+    robot, workstation = (part("--part", name, "--secure", str(keys)) for name in ("robot", "workstation"))
+    for plan, role in ((robot, "router"), (workstation, "router-workstation")):
+        plan.check()
+        assert option(plan.router(), "--role") == [role]
+        assert plan.endpoint == "tls/127.0.0.1:7447"
+    assert option(robot.router(), "--listen") == ["tls/0.0.0.0:7447"]
+
+
+def test_perception_takes_the_settings_of_the_three():
+    overrides = ["scan.beams=90", "negative.methods=['near_edge']", "fuse.timeout=1", "kobuki.max_linear=0.1"]
+    assert option(Plan(overrides=overrides, perception=True).service("perception"), "--set") == overrides[:3]
+
+
+@pytest.mark.parametrize(
+    ("words", "why"),
+    [
+        (["--part", "robot"], "--listen tcp/0.0.0.0:7447: any machine .* add --secure DIR .* or --insecure$"),
+        (["--part", "workstation"], r"where is the robot\? add --connect tcp/ROBOT:7447$"),
+        ([*WORKSTATION, "--base", "real"], "^--base real: camera and base are of --part robot: leave it out$"),
+        ([*WORKSTATION, "--world", "office"], "^--world office: camera and base are of --part robot"),
+        (
+            [*WORKSTATION, "--set", "capture.rate=5"],
+            r"capture is not of --part workstation \(negative, positive, fuse\)",
+        ),
+        ([*WORKSTATION, "--set", "colour=5"], "expected TABLE.KEY=VALUE"),
+        ([*ROBOT, "--set", "fuse.timeout=1"], r"fuse is not of --part robot \(capture, kobuki\)"),
+        ([*ROBOT, "--base", "real"], "no camera is named: add --set capture.source=kinect$"),
+        ([*ROBOT, *CAMERA, "--set", "kobuki.max_linear=5"], "kobuki.max_linear: "),
+        (["--part", "workstation", "--connect", "tcp/:7447"], "--connect tcp/:7447: names no host"),
+    ],
+)
+def test_a_part_that_cannot_be_is_refused_before_anything_is_started(words, why):
+    with pytest.raises(ConfigError, match=why):
+        part(*words).check()
+
+
+def test_keys_that_name_no_host_of_the_robot_are_told(tmp_path):
+    keys = tmp_path / "keys"
+    KeyFolder(keys).init("turtlebot", [])
+    with pytest.raises(ConfigError, match=r"make keys with --host ROBOT .* names none.*, or add --connect tls/"):
+        part("--part", "workstation", "--secure", str(keys)).check()
+
+
 def test_a_world_takes_the_place_of_base_and_camera():
     plan = Plan(overrides=["capture.pitch=10", "capture.rate=15"], world="random:3", folder="/run/x")
     plan.check()
@@ -254,6 +336,8 @@ COMMANDS = [
     "calibrate",
     "drive",
     "echo",
+    "doctor",
+    "systemd",
 ]
 
 

@@ -7,6 +7,7 @@ from cliffscan.common.contract.depth_codec import ENCODINGS
 from cliffscan.common.contract.messages import DepthImage
 from cliffscan.common.contract.topics import DEPTH, SCAN_POSITIVE
 from cliffscan.common.perception.scans import ImageScanConfig
+from cliffscan.common.runtime.config import ConfigError
 from tests import build
 
 BAD = {
@@ -131,3 +132,22 @@ def test_what_a_person_should_know_of_the_keys_is_in_the_status(service):
     service.bus.notice = lambda: "its certificate expires in 5 days"
     service.publish_status()
     assert service.bus.said["status/positive"][-1].note == "no frame; its certificate expires in 5 days"
+
+
+def test_the_alive_file_is_there_while_the_service_works(tmp_path, monkeypatch):
+    file = tmp_path / "alive"
+    monkeypatch.setenv("CLIFFSCAN_ALIVE_FILE", str(file))
+    file.touch()
+    service = build.service("positive", ImageScanConfig())
+    assert not file.exists(), "a killed process left it"
+    for _ in range(2):
+        service.announce()
+        assert file.exists()
+        service.waiting("a device is gone")
+        assert not file.exists()
+
+
+def test_an_alive_file_that_cannot_be_is_refused_in_one_line(tmp_path, monkeypatch):
+    monkeypatch.setenv("CLIFFSCAN_ALIVE_FILE", str(tmp_path / "none/alive"))
+    with pytest.raises(ConfigError, match="none/alive: No such file or directory: name a file"):
+        build.service("positive", ImageScanConfig()).announce()

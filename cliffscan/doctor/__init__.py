@@ -1,0 +1,1 @@
+"""`cliffscan doctor`: what keeps a robot from working, each finding with its remedy."""

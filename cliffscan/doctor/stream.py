@@ -1,0 +1,37 @@
+"""What was received on one key: how often, how much, and what is missing of it."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+
+class Arrival(NamedTuple):
+    """A sample. seq is -1 where its message has none; times [ns]: by the writer's clock, by this machine's."""
+
+    seq: int
+    stamp: int
+    at: int
+    size: int  # [bytes]
+
+
+class Stream(NamedTuple):
+    """A key over a few seconds."""
+
+    rate: float  # [Hz]
+    bytes_per_second: float
+    lost: float  # share of the sequence numbers between the first and the last that did not come; 0 without any
+    jitter: float  # [s] by which the slowest of a hundred samples is slower than the quickest
+
+
+def measure(arrivals: list[Arrival]) -> Stream:
+    """The figures of the samples of a key in the order in which they came; all zero for fewer than two."""
+    if len(arrivals) < 2:
+        return Stream(0.0, 0.0, 0.0, 0.0)
+    table = np.array(arrivals, np.int64)
+    seqs, ways = table[:, 0], table[:, 2] - table[:, 1]
+    seconds = max((table[-1, 2] - table[0, 2]) * 1e-9, 1e-9)
+    steps = np.diff(seqs)
+    forward = steps[steps > 0]  # a writer that starts again begins again
+    lost = float((forward - 1).sum() / forward.sum()) if len(forward) else 0.0
+    jitter = float(np.percentile(ways, 99) - ways.min()) * 1e-9
+    return Stream((len(arrivals) - 1) / seconds, float(table[1:, 3].sum()) / seconds, lost, jitter)
