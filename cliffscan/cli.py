@@ -212,8 +212,8 @@ def add_plan(parser: argparse.ArgumentParser, base: str = SIMULATED) -> None:
         "--base",
         choices=(SIMULATED, *bases()),
         metavar="BASE",
-        help=f"{SIMULATED} with its camera; real, on kobuki.port; none; or a service ({base}). All but {SIMULATED} need"
-        " capture.source",
+        help=f"{SIMULATED} with its camera; real, a Kobuki on kobuki.port; gate, for any other; or none ({base}). All"
+        f" but {SIMULATED} need capture.source",
     )
     parser.add_argument(
         "--world", default="", metavar="NAME", help=f"where the simulated robot is, {WORLD} unless another is given"
