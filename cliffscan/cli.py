@@ -334,7 +334,7 @@ def build_parser() -> argparse.ArgumentParser:
     driven.epilog = f"Its commands have priority {PRIORITY}: they outrank those of a program, which have 0 by default."
     driven.add_argument("--linear", type=float, default=0.2, metavar="M/S", help="speed to begin with")
     driven.add_argument("--angular", type=float, default=0.8, metavar="RAD/S", help="turn rate to begin with")
-    viewed = add("view", view, "Serve a live page that shows why the robot stopped; Ctrl-C ends it.")
+    viewed = add("view", view, "Serve a live page that shows why the robot stopped; Ctrl-C ends it.", role="operator")
     viewed.epilog = "The same port speaks Foxglove's protocol. Without --robot the page lets you choose."
     viewed.add_argument("--port", type=port, default=VIEW_PORT, help="of the page (default %(default)s)")
     viewed.add_argument(
