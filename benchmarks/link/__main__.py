@@ -7,6 +7,7 @@ held it for want of a fresh one.
 
 import argparse
 import logging
+import signal
 import sys
 from collections.abc import Mapping
 from pathlib import Path
@@ -29,6 +30,7 @@ VARIANTS: Mapping[str, Variant] = {
     "three": Variant(workstation=PIPELINE),
     "workstation": Variant(workstation=["perception"]),
     "robot": Variant(robot=["perception"]),
+    "both": Variant(robot=["perception"], beside=True),
 }
 OUT = Path("out/link.md")
 HEADINGS = ("link", "perception", "TCP", "fused Hz", "p50 ms", "p99 ms", "longest gap s", "no scan", "odometry lost",
@@ -79,6 +81,7 @@ def runs(asked: argparse.Namespace) -> list[list[str]]:
 def main() -> None:
     """Measure, and write the table."""
     asked = arguments()
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(1))  # what was started ends, too
     logging.basicConfig(level=logging.ERROR)
     asked.out.parent.mkdir(parents=True, exist_ok=True)
     log = asked.out.with_suffix(".log")

@@ -41,7 +41,7 @@ def figures(robot: Record, workstation: Record, began: int, ended: int, up: int)
         percentile99=_percentile(ages, 99),
         gap=float(gaps.max()),
         no_scan=share_of(robot[topics.SAFETY.path], NO_SCAN, began, ended),
-        odometry_lost=1.0 - len(arrived) / len(sent) if len(sent) else float("nan"),
+        odometry_lost=1.0 - float(np.isin(sent, came[:, 0]).mean()) if len(sent) else float("nan"),
         odometry_late=_percentile((arrived[:, 1] - arrived[:, 0]) * 1e-9, 50),
         doubled=len(fused) - len(np.unique(fused[:, 0])),
         up=up / seconds,

@@ -16,11 +16,12 @@ from benchmarks.link.path import Link
 from evaluation.processes.started import Started
 
 ROBOT = "turtlebot"
+BESIDE = f"{ROBOT}/workstation"
 PORT = 7447
 HERE = f"tcp/127.0.0.1:{PORT}"
 CLIENT = ("--robot", ROBOT, "--mode", "client", "--connect", HERE)
 WORLD, START = "landing", ("0", "0.2", "0")
-STARTING = 90.0  # [s]
+STARTING = 180.0  # [s]
 LOOK = 0.2  # [s] between two looks whether something has started
 GOOD = Link(1e9)  # while all starts
 
@@ -35,6 +36,7 @@ class Variant(NamedTuple):
     robot: Sequence[str] = ()
     workstation: Sequence[str] = ()
     capture: Sequence[str] = ()
+    beside: bool = False  # a perception on the workstation offers its scans to the robot's
 
 
 class Split(AbstractContextManager["Split"]):
@@ -55,6 +57,8 @@ class Split(AbstractContextManager["Split"]):
             for started, names in ((robot, self._variant.robot), (workstation, self._variant.workstation)):
                 for name in names:
                     started.service(name, ROBOT, HERE)
+            if self._variant.beside:
+                workstation.service("perception", BESIDE, HERE)
             robot.service("kobuki", ROBOT, HERE, f"kobuki.port={folder / 'kobuki'}")
             self._wait_alive("kobuki", *self._variant.robot, *self._variant.workstation)
             camera = f"capture.simulation={folder / 'frames'}", f"capture.rate={self._rate}"
