@@ -18,10 +18,16 @@ class PoseHistory:
         self._poses: deque[Pose2D] = deque(maxlen=ROOM)
 
     def add(self, stamp: int, pose: Pose2D) -> None:
-        """The robot is at `pose`; what is not newer than the last one begins a new history."""
-        if self._stamps and stamp <= self._stamps[-1]:
+        """The robot is at `pose`; what is older than the last one begins a new history.
+
+        Packets that are read together have one stamp: the last of them holds.
+        """
+        if self._stamps and stamp < self._stamps[-1]:
             self._stamps.clear()
             self._poses.clear()
+        elif self._stamps and stamp == self._stamps[-1]:
+            self._stamps.pop()
+            self._poses.pop()
         self._stamps.append(stamp)
         self._poses.append(pose)
 

@@ -31,6 +31,7 @@ from cliffscan.common.contract.topics import (
     VELOCITY,
     VELOCITY_SAFE,
     Topic,
+    at_workstation,
     scan,
 )
 
@@ -41,6 +42,8 @@ ANY_COMMAND = ("*",)
 BASE = (ODOMETRY, BASE_STATE, SAFETY)
 FUSED = (SCAN_FUSED, SCAN_SAFE)
 SCANS = (SCAN_POSITIVE, SCAN_NEGATIVE, SCAN_OF_METHOD, *FUSED, SCAN)
+SENT = (at_workstation(DEPTH), at_workstation(DESCRIPTION))  # to a perception that works for the robot's
+BACK = at_workstation(SCAN_FUSED)
 MAPS = (MAP, MAP_OF_PLUGIN, POSE, POSE_OF_PLUGIN)
 
 Rows = tuple[Topic[Any], ...]
@@ -80,7 +83,7 @@ def _service(
 PERCEPTION = ("perception", "negative", "positive", "fuse")
 
 ROLES: tuple[Role, ...] = (
-    _service("capture", "the camera", (DEPTH, DESCRIPTION)),
+    _service("capture", "the camera", (DEPTH, DESCRIPTION, *SENT), (SCAN_FUSED, DESCRIPTION, BACK)),
     _service("negative", "negative obstacles", (SCAN_NEGATIVE, SCAN_OF_METHOD), (DEPTH,)),
     _service("positive", "positive obstacles", (SCAN_POSITIVE,), (DEPTH, DESCRIPTION)),
     _service("fuse", "one scan of all", FUSED, (SCAN_POSITIVE, SCAN_NEGATIVE, SCAN)),
@@ -88,7 +91,7 @@ ROLES: tuple[Role, ...] = (
         "perception",
         "negative, positive and fuse in one process",
         (SCAN_NEGATIVE, SCAN_OF_METHOD, SCAN_POSITIVE, *FUSED),
-        (DEPTH, DESCRIPTION, SCAN),
+        (DEPTH, DESCRIPTION, SCAN, BACK),
         services=PERCEPTION,
     ),
     _service(
@@ -124,8 +127,8 @@ ROLES: tuple[Role, ...] = (
     Role("recorder", "a recording", (), TOPICS, wild=True),
 )
 
-_TO_ROBOT = (SCAN_POSITIVE, SCAN_NEGATIVE, SCAN_OF_METHOD, *FUSED, VELOCITY)
-_FROM_ROBOT = (DEPTH, DESCRIPTION, *BASE, IMU, SCAN_POSITIVE, SCAN_NEGATIVE, SCAN_OF_METHOD, *FUSED)
+_TO_ROBOT = (SCAN_POSITIVE, SCAN_NEGATIVE, SCAN_OF_METHOD, *FUSED, BACK, VELOCITY)
+_FROM_ROBOT = (DEPTH, DESCRIPTION, *SENT, *BASE, IMU, SCAN_POSITIVE, SCAN_NEGATIVE, SCAN_OF_METHOD, *FUSED)
 
 # What a router admits from the other one, by its own role: neither passes on what the other's side must not publish.
 NEIGHBOURS: Mapping[str, Role] = {

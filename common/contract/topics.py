@@ -14,6 +14,7 @@ from cliffscan.common.contract.message import Message
 from cliffscan.common.contract.messages import DepthImage, LaserScan, ServiceStatus
 
 M = TypeVar("M", bound=Message)
+WORKSTATION = "workstation"  # beginning of the paths of a perception that works for a robot's
 ROBOT_NAME = re.compile(r"[A-Za-z0-9_.-]+(/[A-Za-z0-9_.-]+)*")
 
 
@@ -109,6 +110,11 @@ def scan(path: str) -> Topic[LaserScan]:
     return replace(SCAN, path=path)
 
 
+def at_workstation(topic: Topic[M]) -> Topic[M]:
+    """The topic of a perception on a workstation, which runs with --robot ROBOT/workstation, for the robot's."""
+    return replace(topic, path=f"{WORKSTATION}/{topic.path}")
+
+
 def command(name: str) -> str:
     """Path at which the base answers a command."""
     return f"base/command/{name}"
@@ -122,6 +128,7 @@ def alive(service: str) -> str:
 @lru_cache(1024)  # it is asked for every sample
 def topic_at(path: str) -> Topic[Any] | None:
     """The row of a key's path below the robot's name; None where the contract has none."""
+    path = path.removeprefix(f"{WORKSTATION}/")
     for topic in TOPICS:
         if path == topic.prefix or path.startswith(topic.prefix + "/"):
             return topic

@@ -5,6 +5,10 @@ fragments may wait 0.2 s; the kernel's send buffer is kept small, or small real-
 in it; a link is given up after 2 s of silence; what no message may be as large as is not put together from its
 fragments. Shared memory is off: where a process may not lock as much memory as its peers' pools take (8 MB is a usual
 limit), Zenoh loses every large message without a word.
+
+A router joins another one by two links, one of them for depth frames and other bulk: in a single link a command, a scan
+or a pose would wait behind a frame that is being sent again. What goes between routers is compressed, without loss.
+Zenoh agrees on both with the other end: a router that knows neither gets one plain link.
 """
 
 import json
@@ -27,6 +31,11 @@ DEFAULTS: dict[str, object] = {
     "transport/link/rx/max_message_size": LARGEST + ENVELOPE,
     "transport/shared_memory/enabled": False,
 }
+BETWEEN_ROUTERS: dict[str, object] = {
+    "transport/unicast/max_links": 2,
+    "transport/unicast/compression/enabled": True,
+}
+LINKS = ("prio=0-5", "prio=6-7")  # Zenoh's priorities: DATA_LOW is 6
 ENDPOINTS = ("connect/endpoints", "listen/endpoints")
 LISTEN: dict[str, list[str]] = {  # by mode, where nobody says so: nothing beyond this machine can connect
     "router": ["tcp/127.0.0.1:7447"],
@@ -41,13 +50,28 @@ def build(options: Mapping[str, object], file: Path | None) -> zenoh.Config:
     given = written_in(file) if file else {}
     endpoints = any(key in options or given_value(given, key) for key in ENDPOINTS)
     router = (options.get("mode") or given_value(given, "mode")) == "router"
-    defaults = DEFAULTS | {"listen/endpoints": LISTEN} | ({} if endpoints or router else THIS_MACHINE)
+    defaults = (
+        DEFAULTS | {"listen/endpoints": LISTEN} | (BETWEEN_ROUTERS if router else {} if endpoints else THIS_MACHINE)
+    )
     for key, value in defaults.items():
         if given_value(given, key) is None:
             config.insert_json5(key, json.dumps(value))
     for key, value in options.items():
-        config.insert_json5(key, json.dumps(value))
+        each = _two_links(value) if router and key == ENDPOINTS[0] else value
+        config.insert_json5(key, json.dumps(each))
     return config
+
+
+def _two_links(endpoints: Any) -> list[str]:  # noqa: ANN401
+    """Each of the endpoints once for either kind of messages; one that says what it is for stays as it is."""
+    ways = (([end] if "?" in end else [_with(end, way) for way in LINKS]) for end in endpoints)
+    return [link for links in ways for link in links]
+
+
+def _with(endpoint: str, metadata: str) -> str:
+    """An endpoint with metadata, which stands before its configuration: ADDRESS?METADATA#CONFIGURATION."""
+    address, mark, configuration = endpoint.partition("#")
+    return f"{address}?{metadata}{mark}{configuration}"
 
 
 def endpoints_of(config: zenoh.Config, key: str) -> list[str]:

@@ -2,20 +2,25 @@
 
 import subprocess
 import sys
+from collections.abc import Sequence
 from contextlib import AbstractContextManager
 
 import psutil
 
 
 class Started(AbstractContextManager["Started"]):
-    """Python modules that run until the context is left; the last that was started ends first."""
+    """Python modules that run until the context is left; the last that was started ends first.
 
-    def __init__(self) -> None:
+    within: words before each command, where it is to run on an emulated host.
+    """
+
+    def __init__(self, within: Sequence[str] = ()) -> None:
         self.processes: list[subprocess.Popen[bytes]] = []
+        self._within = within
 
     def module(self, name: str, *options: object) -> psutil.Process:
         """Start `python -m NAME OPTIONS`."""
-        process = subprocess.Popen([sys.executable, "-m", name, *map(str, options)])
+        process = subprocess.Popen([*self._within, sys.executable, "-m", name, *map(str, options)])
         self.processes.append(process)
         return psutil.Process(process.pid)
 

@@ -5,12 +5,10 @@ from collections.abc import Callable, Iterator
 from contextlib import closing
 from dataclasses import replace
 
-from cliffscan.common.contract import topics
 from cliffscan.common.contract.camera import Camera
-from cliffscan.common.contract.depth_codec import LEVELS, RAW
-from cliffscan.common.contract.messages import DepthImage
 from cliffscan.common.runtime.service import PATIENCE, Service, main
 from cliffscan.services.capture.config import CaptureConfig
+from cliffscan.services.capture.depth_publisher import DepthPublisher
 from cliffscan.services.capture.description import Description
 from cliffscan.services.capture.floor.tracker import FloorTracker, tracker_of
 from cliffscan.services.capture.region import RegionLearner
@@ -24,20 +22,25 @@ BACK_OFF = (0.5, 8.0)  # [s] before the first and, doubled each time, before a l
 log = logging.getLogger(__name__)
 
 
-def frames(service: Service[CaptureConfig]) -> Iterator[DepthFrame]:
+def frames(service: Service[CaptureConfig], link: Callable[[], str] = str) -> Iterator[DepthFrame]:
     """Every good frame until the service or its source ends; a device that is lost is opened again.
 
-    The service is ready, and its camera described, when a source has brought its first frame.
+    The service is ready, and its camera described, when a source has brought its first frame. link: what the status
+    notes of the link.
     """
     description = Description(service)
     watch = None if KINDS[service.config.source].recorded else FrozenWatch(service.metrics)
     bounds = Bounds()
     delay = BACK_OFF[0]
+
+    def standing() -> str:
+        return "; ".join(filter(None, (bounds.note, link())))
+
     while service.running:
         try:
             with closing(open_source(service.config, service)) as source:
                 seen = bounded(new_frames(source, service, watch), service, bounds)
-                for frame in located(described(seen, service, description), service, lambda: bounds.note):
+                for frame in located(described(seen, service, description), service, standing):
                     delay = BACK_OFF[0]
                     yield frame
         except SourceLost as error:
@@ -129,16 +132,10 @@ def located(
 
 
 def serve(service: Service[CaptureConfig]) -> None:
-    """Publish every frame."""
-    publisher = service.publisher(topics.DEPTH)
-    encoding = LEVELS if service.config.compressed else RAW
-    configured = 1.0 / service.config.rate
-    for seq, (depth, stamp, camera, period, _place) in enumerate(frames(service)):
-        image = DepthImage.pack(
-            seq, stamp, service.config.frame, depth, camera, encoding, configured if period is None else period
-        )
-        publisher.put(image)
-        service.metrics.output(stamp)
+    """Publish every frame that the link carries."""
+    publisher = DepthPublisher(service)
+    for seq, frame in enumerate(frames(service, lambda: publisher.note)):
+        publisher.put(seq, frame)
 
 
 if __name__ == "__main__":

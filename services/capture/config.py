@@ -34,6 +34,9 @@ class CaptureConfig(ServiceConfig):
     """Where depth frames come from. It must be set: a robot must never drive by pictures that nobody chose."""
     compressed: bool = True
     """Whether frames travel compressed, without loss; false sends raw 16UC1."""
+    fit_link: bool = True
+    """Whether a frame waits until earlier ones are answered with a fused scan, and is smaller where answers stay late:
+    the rows that matter, and every second column. While nobody answers every frame goes, and all of it."""
     frame: Annotated[str, Field(max_length=256)] = "camera_depth_optical_frame"
     """Name of the camera's optical frame."""
     rate: Annotated[float, Field(gt=0, le=1000)] = 30.0

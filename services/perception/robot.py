@@ -1,12 +1,16 @@
-"""What perception does for one robot: it is the robot's negative, positive and fuse, and answers for each of them."""
+"""What perception does for one robot: it is the robot's negative, positive and fuse, and answers for each of them.
 
+Where a workstation perceives for the same robot too, its fused scans are published while they come in time.
+"""
+
+import time
 from collections.abc import Mapping, Sequence
 from functools import partial
 from typing import Any
 
 from cliffscan.common.contract import topics
 from cliffscan.common.contract.message import MessageError
-from cliffscan.common.contract.messages import DepthImage
+from cliffscan.common.contract.messages import DepthImage, LaserScan
 from cliffscan.common.runtime.bus import Bus
 from cliffscan.common.runtime.config import ServiceConfig
 from cliffscan.common.runtime.decoder import Decoder
@@ -14,10 +18,13 @@ from cliffscan.common.runtime.service import Service, StopSignal
 from cliffscan.services.fuse.fuser import ROOM, Fuser
 from cliffscan.services.fuse.pairing import Pair
 from cliffscan.services.negative.publishers import ScanPublishers
+from cliffscan.services.perception.handover import Handover
 from cliffscan.services.perception.perceive import Settings, sense
 from cliffscan.services.positive.robot_height import RobotHeight
 
 NAME = "perception"
+OFFERED = topics.at_workstation(topics.SCAN_FUSED)
+THEIRS = "the workstation's scans are published"
 
 
 class RobotPerception:
@@ -41,6 +48,8 @@ class RobotPerception:
         self._fuser = Fuser(fuse)
         for name, source in fuse.config.inputs.items():
             fuse.receive(topics.scan(source.key), partial(self._fuser.take, name), ROOM)
+        self._handover = Handover()
+        whole.receive(OFFERED, self._offered)
 
     def take(self, payloads: Sequence[bytes]) -> None:
         """Answer the newest good depth image of `payloads`, oldest first, with its scans."""
@@ -48,7 +57,8 @@ class RobotPerception:
         for _overtaken in images[:-1]:
             self.overtaken()
         for image in images[-1:]:
-            self._answer(image)
+            if self._handover.frame(image.seq, time.monotonic()):
+                self._answer(image)
 
     def _answer(self, image: DepthImage) -> None:
         settings = Settings(self._services["negative"].config, self._height.config, self._negative.subscribed())
@@ -58,9 +68,16 @@ class RobotPerception:
         self._negative.publish(negative)
         pair = Pair(positive, negative.combined)
         self._services["fuse"].metrics.count("received", len(pair))
-        if self._fuser.publish(pair):
+        if self._handover.answer(image.seq) and self._fuser.publish(pair):
             self._services[NAME].metrics.output(image.stamp)
         self._services[NAME].note = self._services["fuse"].note
+
+    def _offered(self, scan: LaserScan) -> None:
+        """A fused scan of the workstation's came, on a thread of its own."""
+        if self._handover.offer(scan.seq, time.monotonic()):
+            self._fuser.forward(scan)
+            self._services[NAME].metrics.output(scan.stamp)
+            self._services[NAME].note = THEIRS
 
     def overtaken(self) -> None:
         """A depth image made room for a newer one."""

@@ -57,14 +57,14 @@ class Client:
         self.session, self.endpoint = open_router()
         self._meet()
 
-    def another(self):
+    def another(self, robot=None):
         """A client of another robot on the same router."""
         other = copy.copy(self)
-        other._meet()
+        other._meet(robot)
         return other
 
-    def _meet(self):
-        self.robot = f"robot-{uuid.uuid4().hex[:12]}"
+    def _meet(self, robot=None):
+        self.robot = robot or f"robot-{uuid.uuid4().hex[:12]}"
         self._alive = {}
         self._changed = threading.Condition()
         self.session.liveliness().declare_subscriber(f"{self.robot}/alive/*", self._token, history=True)

@@ -10,11 +10,12 @@ import pytest
 from PIL import Image
 
 from cliffscan.common.contract.messages import DepthImage
+from cliffscan.services.capture.depth_publisher import THIN
 from cliffscan.simulator import wire
 from cliffscan.simulator.frame_server import FrameServer
 from tests import scenes
 from tests.fakenect_session import library_folder, session_environment, write_session
-from tests.service.conftest import intensities, ranges
+from tests.service.conftest import intensities, ranges, scan
 
 CAMERA = scenes.camera()
 FRAMES = [scenes.depth(CAMERA, wall=wall) for wall in (2.0, 3.0, 4.0)]
@@ -73,10 +74,10 @@ def test_the_simulated_room_comes_out_as_a_fused_scan(client, start):
         client.wait_alive(service)
     ear = client.listen("scan/fused")
     start("capture", "--set", "capture.source=simulator", "--set", "capture.rate=5")
-    scan = ear.get()
+    fused = ear.get()
     ahead = slice(310, 330)
-    assert ranges(scan)[ahead] == pytest.approx(np.full(20, 1.5), abs=0.03)
-    assert set(intensities(scan)[ahead]) <= {2, 3}  # a drop, or floor lost
+    assert ranges(fused)[ahead] == pytest.approx(np.full(20, 1.5), abs=0.03)
+    assert set(intensities(fused)[ahead]) <= {2, 3}  # a drop, or floor lost
 
 
 class HangingCamera:
@@ -179,3 +180,15 @@ def test_a_kinect_that_is_not_there_is_waited_for(client, start):
     process = start("capture", "--set", "capture.source=kinect", "--set", "capture.device=99", wait=False)
     process.wait_said("trying again in 2 s")
     assert list(client.session.liveliness().get(f"{client.robot}/alive/capture")) == []
+
+
+def test_frames_become_smaller_where_their_scans_come_late(client, start):
+    ear, status = client.listen("camera/depth"), client.listen("status/capture")
+    start("capture", "--set", "capture.source=simulator", "--set", "capture.rate=10")
+    sent = ear.get()
+    while sent["width"] == 640:
+        last, sent = sent, ear.get()
+        client.put("scan/fused", scan([1.0, 2.0], last["stamp"], seq=last["seq"]))
+    assert (sent["width"], sent["intrinsics"][0]) == (320, pytest.approx(288.6, abs=0.1))
+    DepthImage.of(sent)
+    status.until(lambda each: each["note"] == THIN)

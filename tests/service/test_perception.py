@@ -1,6 +1,8 @@
 """perception answers as negative, positive and fuse do, for one robot or many, and no robot costs another anything."""
 
 import contextlib
+import itertools
+import signal
 import subprocess
 import sys
 import threading
@@ -12,6 +14,7 @@ import pytest
 import zenoh
 
 from cliffscan.common.contract.camera import FloorPlane
+from cliffscan.services.perception.robot import THEIRS
 from tests import scenes
 from tests.service.conftest import image, scan
 
@@ -196,3 +199,30 @@ def test_a_bad_setting_is_refused_with_one_line(options, reason):
     assert refused.returncode == 2
     assert reason in refused.stderr.strip().splitlines()[-1]
     assert "Traceback" not in refused.stderr
+
+
+def test_a_workstations_scans_are_published_in_time_and_the_robots_own_without_them(client, start):
+    workstation = client.another(f"{client.robot}/workstation")
+    perception(start, robots=[client.robot])
+    theirs = perception(start, robots=[workstation.robot])
+    client.wait_alive("perception")
+    workstation.wait_alive("perception")
+    ear, status = client.listen("scan/fused"), client.listen("status/perception")
+    stamps = []
+
+    def drive(note):
+        """Send frames, some twenty a second, until that is the status's note."""
+        while not any(each["note"] == note for each in status.all()):
+            number = next(numbers)
+            client.put("camera/depth", frame(number))
+            workstation.put("camera/depth", frame(number))
+            answer = ear.get_within(0.05)
+            stamps.extend(each["stamp"] for each in [answer, *ear.all()] if each)
+
+    numbers = itertools.count(1)
+    drive(THEIRS)
+    theirs.signal(signal.SIGSTOP)
+    drive("")
+    theirs.signal(signal.SIGCONT)
+    drive(THEIRS)
+    assert stamps == sorted(set(stamps))

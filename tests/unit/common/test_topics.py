@@ -22,6 +22,7 @@ PAGE = (Path(__file__).parents[3] / "common" / "README.md").read_text()
         (topics.SCAN_SAFE, "r/scan/safe", LaserScan, Qos.REAL_TIME),
         (topics.SCAN_OF_METHOD.named("virtual_floor"), "r/scan/negative/virtual_floor", LaserScan, Qos.REAL_TIME),
         (topics.scan("scan/lidar"), "r/scan/lidar", LaserScan, Qos.REAL_TIME),
+        (topics.at_workstation(topics.SCAN_FUSED), "r/workstation/scan/fused", LaserScan, Qos.REAL_TIME),
         (topics.STATUS.named("fuse"), "r/status/fuse", ServiceStatus, Qos.STATUS),
     ],
 )

@@ -6,7 +6,7 @@ import pytest
 import zenoh
 
 from cliffscan.common.runtime.bus import Bus, BusError, Network
-from cliffscan.common.runtime.zenoh_config import DEFAULTS, build
+from cliffscan.common.runtime.zenoh_config import BETWEEN_ROUTERS, DEFAULTS, build
 
 
 def values(config, keys=DEFAULTS):
@@ -78,3 +78,23 @@ def test_with_no_endpoint_only_this_machine_is_looked_at():
 def test_a_file_that_is_none_is_refused_with_one_line(file, text):
     with pytest.raises(BusError, match=r"Zenoh refuses the configuration: [^\n]+$"):
         Bus(Network(zenoh_config=file(text)), "turtlebot")
+
+
+def connects(mode, *endpoints):
+    return json.loads(build({"mode": mode, "connect/endpoints": list(endpoints)}, None).get_json("connect/endpoints"))
+
+
+def test_routers_are_joined_by_a_link_for_bulk_and_one_for_the_rest():
+    assert connects("router", "tcp/a:1", "tcp/b:2#so_sndbuf=9") == [
+        "tcp/a:1?prio=0-5",
+        "tcp/a:1?prio=6-7",
+        "tcp/b:2?prio=0-5#so_sndbuf=9",
+        "tcp/b:2?prio=6-7#so_sndbuf=9",
+    ]
+    assert connects("router", "tcp/a:1?prio=0-7") == ["tcp/a:1?prio=0-7"]
+    assert connects("client", "tcp/a:1") == ["tcp/a:1"]
+
+
+def test_only_what_goes_between_routers_is_compressed():
+    assert values(build({"mode": "router"}, None), BETWEEN_ROUTERS) == BETWEEN_ROUTERS
+    assert values(build({"mode": "client"}, None), BETWEEN_ROUTERS) == values(zenoh.Config(), BETWEEN_ROUTERS)

@@ -45,8 +45,15 @@ def test_the_oldest_are_forgotten():
     assert not a_history(*((stamp, (0, 0, 0)) for stamp in range(ROOM - 1))).full
 
 
-@pytest.mark.parametrize("stamp", [100, 50])
+@pytest.mark.parametrize("stamp", [99, 50])
 def test_a_clock_that_goes_back_begins_a_new_history(stamp):
     history = a_history((0, (9, 9, 9)), (100, (9, 9, 9)), (stamp, (1, 1, 1)))
     assert history.at(stamp - 1) is None
     assert history.at(stamp) == (1, 1, 1)
+
+
+def test_packets_that_are_read_together_do_not_forget_where_the_robot_was():
+    history = PoseHistory()
+    for stamp, x in [(100, 0.0), (200, 1.0), (200, 2.0), (300, 3.0)]:
+        history.add(stamp, Pose2D(x, 0.0, 0.0))
+    assert [history.at(stamp).x for stamp in (100, 150, 200, 250)] == [0.0, 1.0, 2.0, 2.5]

@@ -1,0 +1,1 @@
+"""The real services on two hosts that a poor link joins."""

@@ -1,0 +1,95 @@
+"""Publishes depth frames, as many and as large as the link to those that answer them carries."""
+
+import math
+import time
+
+from cliffscan.common.contract import topics
+from cliffscan.common.contract.depth_codec import LEVELS, RAW
+from cliffscan.common.contract.description import RobotDescription
+from cliffscan.common.contract.messages import DepthImage, LaserScan
+from cliffscan.common.contract.topics import Topic
+from cliffscan.common.runtime.service import Service
+from cliffscan.services.capture.config import CaptureConfig
+from cliffscan.services.capture.sources.depth_source import DepthFrame
+from cliffscan.services.capture.thinning import thinned
+from cliffscan.services.capture.window import Size, Window
+
+THIN = "the link is thin: depth images have the rows that matter and every second column"
+
+
+class Stream:
+    """One key of depth images, and the window that the fused scans which answer them open."""
+
+    def __init__(
+        self, service: Service[CaptureConfig], depth: Topic[DepthImage], fused: Topic[LaserScan], period: float
+    ) -> None:
+        self.publisher = service.publisher(depth)
+        self._window = Window(period) if service.config.fit_link else None
+        if self._window:
+            service.receive(fused, self._answered)
+
+    @property
+    def is_thin(self) -> bool:
+        """Whether its images are smaller than the frames."""
+        return self._window is not None and self._window.size is Size.THIN
+
+    def admit(self, seq: int) -> Size | None:
+        """How much of a frame goes; None where it is held back."""
+        return self._window.admit(seq, time.monotonic()) if self._window else Size.FULL
+
+    def _answered(self, scan: LaserScan) -> None:
+        if self._window:
+            self._window.answer(scan.seq, time.monotonic())
+
+
+class DepthPublisher:
+    """Publishes on camera/depth, and beside it for a workstation that perceives for a robot which does so too.
+
+    Then the robot's own perception gets every frame whole, and the workstation what its link carries.
+    """
+
+    def __init__(self, service: Service[CaptureConfig]) -> None:
+        config = service.config
+        self._metrics = service.metrics
+        self._frame = config.frame
+        self._encoding = LEVELS if config.compressed else RAW
+        self._period = 1.0 / config.rate  # [s] where a frame does not say its own
+        self._height = math.inf  # [m] of the robot, above which nothing matters; not known
+        self._all = Stream(service, topics.DEPTH, topics.SCAN_FUSED, self._period)
+        of_workstation = topics.at_workstation(topics.DEPTH), topics.at_workstation(topics.SCAN_FUSED)
+        self._workstation = Stream(service, *of_workstation, self._period)
+        self._describe = service.bus.latch(topics.at_workstation(topics.DESCRIPTION))
+        service.receive_latched(topics.DESCRIPTION, self._described)
+
+    @property
+    def note(self) -> str:
+        """What a person should know of the link."""
+        return THIN if self._all.is_thin or self._workstation.is_thin else ""
+
+    def put(self, seq: int, frame: DepthFrame) -> None:
+        """Publish a frame, or hold it back."""
+        perceives_too = self._workstation.publisher.has_subscribers
+        whole = {self._all: Size.FULL if perceives_too else self._all.admit(seq)}
+        sizes = whole | ({self._workstation: self._workstation.admit(seq)} if perceives_too else {})
+        images = {size: self._image(seq, frame, size) for size in {*sizes.values()} if size}
+        for stream, size in sizes.items():
+            if size:
+                stream.publisher.put(images[size])
+            else:
+                self._metrics.count("held_back")
+        if sizes[self._all]:
+            self._metrics.output(frame.stamp)
+
+    def _image(self, seq: int, frame: DepthFrame, size: Size) -> DepthImage:
+        depth, camera = frame.depth, frame.camera
+        if size is Size.THIN:
+            depth, camera = thinned(depth, camera, self._height)
+        period = self._period if frame.period is None else frame.period
+        return DepthImage.pack(seq, frame.stamp, self._frame, depth, camera, self._encoding, period)
+
+    def _described(self, description: RobotDescription) -> None:
+        """The base described its body, or a camera was."""
+        if description.body:
+            self._describe(description)
+            if description.body.height is not None:
+                self._height = description.body.height
