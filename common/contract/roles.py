@@ -116,7 +116,7 @@ ROLES: tuple[Role, ...] = (
         (VELOCITY, ODOMETRY),
         TOPICS,
         services=("ros2",),
-        asks=("stop", "clear_safety"),
+        asks=("stop",),
     ),
     Role(
         "driver", "what drives: a planner, a person", (VELOCITY,), (*BASE, *SCANS, *MAPS, DESCRIPTION), asks=ANY_COMMAND

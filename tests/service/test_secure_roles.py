@@ -10,21 +10,25 @@ from cliffscan.secure.folder import KeyFolder
 from tests.service.conftest import free_endpoint, wait_until
 
 ROBOT = "r"
-DEPTH, FUSED, VELOCITY = "camera/depth", "scan/fused", "base/cmd_vel"
-SCANS = {"scan/positive", "scan/negative", "scan/negative/near_edge", FUSED, "scan/lidar"}
+DEPTH, VELOCITY, SAFE = "camera/depth", "base/cmd_vel", "base/cmd_vel_safe"
+FUSED, SAFE_SCAN = "scan/fused", "scan/safe"
+SCANS = {"scan/positive", "scan/negative", "scan/negative/near_edge", FUSED, SAFE_SCAN, "scan/lidar"}
 BASE = {"base/odom", "base/state", "base/safety"}
 MAPS = {"map", "map/x", "pose", "pose/x"}
-NAMES = ["capture", "negative", "positive", "fuse", "perception", "kobuki"]
+NAMES = ["capture", "negative", "positive", "fuse", "perception", "kobuki", "gate", "ros2"]
 STATUSES = {f"status/{name}" for name in NAMES}
-KEYS = {DEPTH, "description", *SCANS, *BASE, "base/imu", VELOCITY, *MAPS, *STATUSES}
+KEYS = {DEPTH, "description", *SCANS, *BASE, "base/imu", VELOCITY, SAFE, *MAPS, *STATUSES}
 
 WRITES = {  # said once more by hand, so that a slip in the table of roles is noticed
     "capture": {DEPTH, "description", "status/capture"},
     "negative": {"scan/negative", "scan/negative/near_edge", "status/negative"},
     "positive": {"scan/positive", "status/positive"},
-    "fuse": {FUSED, "status/fuse"},
+    "fuse": {FUSED, SAFE_SCAN, "status/fuse"},
     "perception": SCANS - {"scan/lidar"} | {f"status/{name}" for name in NAMES[1:5]},
     "kobuki": {*BASE, "base/imu", "description", "status/kobuki"},
+    "gate": {SAFE, "base/safety", "description", "status/gate"},
+    "base": {"base/odom", "base/state", "base/imu"},
+    "ros2": {VELOCITY, "base/odom", "status/ros2"},
     "driver": {VELOCITY},
     "operator": set(),
     "slam": MAPS,
@@ -33,16 +37,19 @@ WRITES = {  # said once more by hand, so that a slip in the table of roles is no
     "sensor-lidar": {"scan/lidar"},
 }
 READS = {
-    "capture": set(),
+    "capture": {FUSED, "description"},
     "negative": {DEPTH},
     "positive": {DEPTH, "description"},
     "fuse": SCANS - {"scan/negative/near_edge"},
     "perception": {DEPTH, "description", *SCANS} - {"scan/negative/near_edge"},
     "kobuki": {VELOCITY, FUSED, "description"},
+    "gate": {VELOCITY, FUSED, "base/odom", "base/state", "description"},
+    "base": {SAFE, "base/safety"},
+    "ros2": KEYS,
     "driver": {*BASE, *SCANS, *MAPS, "description"},
     "operator": KEYS,
-    "slam": {FUSED, "base/odom", "description"},
-    "viewer": KEYS - {DEPTH, VELOCITY},
+    "slam": {FUSED, SAFE_SCAN, "base/odom", "description"},
+    "viewer": KEYS - {DEPTH, VELOCITY, SAFE},
     "recorder": KEYS,
     "sensor-lidar": set(),
 }
@@ -179,7 +186,7 @@ def test_nobody_answers_for_the_base(network):
     fakes = [
         session.declare_queryable(f"{ROBOT}/base/command/stop", answer)
         for role, session in network.sessions.items()
-        if role not in ("kobuki", "driver")
+        if role not in ("kobuki", "gate", "driver")
     ]
     network.settle()
     assert not answered(network.sessions["driver"], "base/command/stop")
@@ -194,7 +201,7 @@ def test_a_role_is_alive_under_its_own_name_only(network):
         for name in (*NAMES, "slam-x", "router-there")
         if (role, name) not in {("capture", "capture"), ("kobuki", "kobuki")}
     ]
-    named = {"negative", "positive", "fuse", "perception", "slam-x", "router-here"}
+    named = {"negative", "positive", "fuse", "perception", "gate", "ros2", "slam-x", "router-here"}
     expected = {f"{ROBOT}/alive/{name}" for name in named}
     wait_until(lambda: alive(network.router) >= expected)
     network_settled = {str(each.ok.key_expr) for each in network.sessions["viewer"].liveliness().get("**/alive/*")}
