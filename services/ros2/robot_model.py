@@ -51,8 +51,10 @@ class RobotModel:
             self._urdf.put(messages.string(urdf(self._service.bus.robot, config.base_frame, self._body, frames)))
 
     def _frames_of_others(self) -> set[str]:
-        """The optical frame, where a driver in ROS places it."""
-        return {self._camera.frame} if self._camera and self._service.config.camera == "external" else set()
+        """The camera's frames, where a driver in ROS places them."""
+        if self._camera is None or self._service.config.camera != "external":
+            return set()
+        return {self._camera.frame, transforms.CAMERA}
 
 
 def urdf(robot: str, base_frame: str, body: BodyDescription | None, frames: Sequence[Transform]) -> str:

@@ -125,7 +125,7 @@ def test_a_scan_frees_no_more_than_the_described_camera_sees(base):
 def test_the_base_says_what_it_is(base):
     reply = next(iter(base.client.session.get(f"{base.client.robot}/description")))
     body = msgpack.unpackb(reply.ok.payload.to_bytes())["body"]
-    assert body == {"simulated": True, "radius": 0.18, "height": 0.42}
+    assert body == {"simulated": True, "radius": 0.18, "footprint": [], "height": 0.42}
 
 
 def test_what_holds_the_robot_back_is_named(base):

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import assume, given
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from cliffscan.common.contract.camera import FloorPlane, scan_axes
@@ -93,6 +93,7 @@ def test_the_field_of_view_and_the_nearest_floor_are_those_of_the_pixels(height,
         assert distances.max() <= told.farthest * (1 + 1e-9)
 
 
+@settings(max_examples=25)  # of two million pixels each
 @given(heights, st.floats(-0.3, 1.0), rolls, st.floats(0.5, 6.0))
 def test_many_pixels_come_as_near_as_is_told(height, pitch, roll, far):
     """With more pixels the least distance straight ahead, and the outermost azimuths, come out as told."""

@@ -40,7 +40,7 @@ def source(server):
 
 def test_a_frame_arrives_with_its_stamp_and_the_mounts_floor(server, source):
     server.offer(wire.pack(HEADER, DEPTH))
-    depth, stamp, camera, _ = source.read(DEADLINE)
+    depth, stamp, camera, *_ = source.read(DEADLINE)
     np.testing.assert_array_equal(depth, DEPTH)
     assert stamp == HEADER["stamp"]
     assert (camera.width, camera.height, camera.range, camera.floor) == (640, 480, (0.5, 4.5), FLOOR)
