@@ -75,11 +75,12 @@ def _with(endpoint: str, metadata: str) -> str:
 
 
 def endpoints_of(config: zenoh.Config, key: str) -> list[str]:
-    """The endpoints that hold at a key of ENDPOINTS, in the mode that holds."""
+    """The endpoints that hold at a key of ENDPOINTS, in the mode that holds; each once, whatever links it has."""
     mode, endpoints = (json.loads(config.get_json(each)) for each in ("mode", key))
     if isinstance(endpoints, dict):
         endpoints = endpoints.get(mode or "peer")
-    return [each["endpoint"] if isinstance(each, dict) else each for each in endpoints or []]
+    named = (each["endpoint"] if isinstance(each, dict) else each for each in endpoints or [])
+    return list(dict.fromkeys(each.partition("?")[0] for each in named))
 
 
 def asks_for_keys(config: zenoh.Config) -> bool:
