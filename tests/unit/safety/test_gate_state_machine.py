@@ -143,7 +143,7 @@ class Gate(RuleBasedStateMachine):
 
 TestGate = pytest.mark.slow(Gate.TestCase)
 TestGate.settings = settings(
-    max_examples=10,
+    max_examples=6,
     stateful_step_count=16,
     derandomize=True,
     deadline=None,
