@@ -25,7 +25,8 @@ from rich.console import Console
 from benchmarks.faults.intruder import free_scan
 from cliffscan.common.contract import topics
 from cliffscan.common.contract.base_messages import Velocity
-from cliffscan.common.runtime.bus import Bus, Network
+from cliffscan.common.runtime.bus import Bus
+from cliffscan.common.runtime.network import Network
 from cliffscan.simulator.kobuki.base import Base
 from cliffscan.simulator.kobuki.commands import BaseControl, Command
 from cliffscan.simulator.kobuki.runner import Runner, run

@@ -24,7 +24,8 @@ from cliffscan.common.contract import topics
 from cliffscan.common.contract.camera import FloorPlane
 from cliffscan.common.contract.depth_codec import LEVELS, RAW
 from cliffscan.common.contract.messages import DepthImage, LaserScan
-from cliffscan.common.runtime.bus import Bus, Network
+from cliffscan.common.runtime.bus import Bus
+from cliffscan.common.runtime.network import Network
 from cliffscan.common.runtime.service import StopSignal, connect
 from cliffscan.simulator.camera import SimulatedKinect
 from cliffscan.simulator.kinect import kinect_camera

@@ -19,7 +19,8 @@ from cliffscan.common.contract.base_messages import BaseState, Imu, Odometry
 from cliffscan.common.contract.beam_fields import ABSENT
 from cliffscan.common.contract.depth_codec import LEVELS
 from cliffscan.common.contract.messages import DepthImage
-from cliffscan.common.runtime.bus import Bus, Network
+from cliffscan.common.runtime.bus import Bus
+from cliffscan.common.runtime.network import Network
 from cliffscan.common.runtime.service import StopSignal, connect
 from cliffscan.services.perception.perceive import Settings, perceive
 from cliffscan.simulator.camera import SimulatedKinect

@@ -27,8 +27,9 @@ from benchmarks.pipeline_fleet import drawn
 from cliffscan.common.contract import topics
 from cliffscan.common.contract.depth_codec import LEVELS
 from cliffscan.common.contract.messages import DepthImage, LaserScan
-from cliffscan.common.runtime.bus import Bus, Network
+from cliffscan.common.runtime.bus import Bus
 from cliffscan.common.runtime.latest_queue import LatestQueue
+from cliffscan.common.runtime.network import Network
 from cliffscan.common.runtime.service import StopSignal
 from cliffscan.parts import WORKSTATION
 from cliffscan.system import Plan, System

@@ -17,8 +17,9 @@ from cliffscan.common.contract.roles import ROUTER, WORKSTATION_ROUTER
 from cliffscan.common.contract.topics import ROBOT_NAME
 from cliffscan.common.runtime import config as configuration
 from cliffscan.common.runtime import options
-from cliffscan.common.runtime.bus import Bus, BusError
+from cliffscan.common.runtime.bus import Bus
 from cliffscan.common.runtime.config import ConfigError
+from cliffscan.common.runtime.network import BusError
 from cliffscan.common.runtime.secure import ROUTERS, SecureError
 from cliffscan.common.runtime.service import USAGE_ERROR, StopSignal, connect, package_version
 from cliffscan.doctor.command import doctor

@@ -8,9 +8,9 @@ from importlib import import_module
 from pathlib import Path
 
 from cliffscan.common.runtime import config as configuration
-from cliffscan.common.runtime.bus import BusError, Network, check
 from cliffscan.common.runtime.config import ConfigError, ServiceConfig
 from cliffscan.common.runtime.endpoints import parse
+from cliffscan.common.runtime.network import BusError, Network, check
 
 
 def config_class(service: str) -> type[ServiceConfig]:

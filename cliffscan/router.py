@@ -5,8 +5,8 @@ from __future__ import annotations
 import logging
 from pathlib import Path
 
-from cliffscan.common.runtime.bus import Network
 from cliffscan.common.runtime.config import ServiceConfig
+from cliffscan.common.runtime.network import Network
 from cliffscan.common.runtime.secure import CERTIFICATE, CONFIG, Credentials
 from cliffscan.common.runtime.service import STATUS_PERIOD, Service, StopSignal, connect
 

@@ -13,8 +13,9 @@ from typing import Self
 from cliffscan import preflight
 from cliffscan.common.contract.roles import ROUTER, WORKSTATION_ROUTER
 from cliffscan.common.runtime import config as configuration
-from cliffscan.common.runtime.bus import Bus, Network, NotConnected, targets
+from cliffscan.common.runtime.bus import Bus
 from cliffscan.common.runtime.config import SENSING, TABLES, ConfigError, meant_for
+from cliffscan.common.runtime.network import Network, NotConnected, targets
 from cliffscan.common.runtime.options import VIEWER
 from cliffscan.common.runtime.secure import Credentials
 from cliffscan.common.runtime.service import StopSignal

@@ -7,8 +7,8 @@ from typing import get_args
 
 from rich.console import Console
 
-from cliffscan.common.runtime.bus import BusError
 from cliffscan.common.runtime.config import ConfigError
+from cliffscan.common.runtime.network import BusError
 from cliffscan.common.runtime.service import USAGE_ERROR, StopSignal
 from cliffscan.supervisor import ConfigRefused
 from evaluation.processes.steering import Step, To

@@ -15,8 +15,9 @@ from cliffscan.common.contract.camera import FloorPlane
 from cliffscan.common.contract.message import unpack
 from cliffscan.common.contract.messages import DepthImage
 from cliffscan.common.contract.topics import DEPTH, SCAN_FUSED, SCAN_POSITIVE
-from cliffscan.common.runtime.bus import Bus, Network
+from cliffscan.common.runtime.bus import Bus
 from cliffscan.common.runtime.config import SENSING
+from cliffscan.common.runtime.network import Network
 from cliffscan.system import Plan, System
 from evaluation.processes.network import free_endpoint
 from experiments.run import Run

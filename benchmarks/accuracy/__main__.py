@@ -16,8 +16,8 @@ from benchmarks.accuracy.report import report
 from benchmarks.accuracy.rows import Row, Table, worst
 from benchmarks.accuracy.scans import ANGLES, BEST, Others, known_scans
 from benchmarks.accuracy.setups import SETUPS
-from cliffscan.common.runtime.bus import BusError
 from cliffscan.common.runtime.config import ConfigError
+from cliffscan.common.runtime.network import BusError
 from evaluation.options import some_of
 from evaluation.tables import unique, write_csv
 

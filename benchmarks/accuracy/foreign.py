@@ -19,7 +19,8 @@ from cliffscan.common.contract.depth_codec import RAW
 from cliffscan.common.contract.message import MessageError
 from cliffscan.common.contract.messages import DepthImage, LaserScan
 from cliffscan.common.contract.topics import DEPTH
-from cliffscan.common.runtime.bus import Bus, Network
+from cliffscan.common.runtime.bus import Bus
+from cliffscan.common.runtime.network import Network
 from evaluation.processes.network import free_endpoint
 
 STARTING = 60.0  # [s] for a program to subscribe

@@ -1,5 +1,6 @@
 """The robots that wander: a base, what drives it safely, and what its perception and its driver must know of it."""
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable
 from typing import Literal, NamedTuple, Protocol
 
@@ -30,6 +31,7 @@ Base = Literal["turtlebot2", "differential_large"]
 SECOND = 1_000_000_000  # [ns]
 TICK = 0.01  # [s]
 ENCODER_NOISE = 0.003  # [√m] 3 mm after 1 m, on top of how the wheels slip
+WIDE = 70.0  # [deg] field of view of the scans
 ODOMETRY_TICKS = 2  # between two messages of odometry
 COVARIANCE = [0.0] * 9
 
@@ -46,13 +48,11 @@ class Size(NamedTuple):
 TURTLEBOT_2_SIZE = Size(0.18, 0.22, 0.20, View.undescribed())
 
 
-class Rig(Protocol):
-    """A simulated robot with its gate."""
+class Simulated(Protocol):
+    """A robot in the simulator, as all of them are."""
 
     world: World
     camera: Camera
-    settings: Settings  # of perception
-    size: Size
 
     @property
     def time(self) -> float:
@@ -66,62 +66,99 @@ class Rig(Protocol):
     def fallen(self) -> bool:
         """Whether it fell."""
 
-    @property
-    def bumps(self) -> int:
-        """How often something began to push it."""
+    def frame(self) -> Millimetres:
+        """What the camera sees."""
+
+
+class Controller(Protocol):
+    """The code that drives a base safely."""
 
     @property
-    def cliff(self) -> bool:
-        """Whether a cliff sensor fires or, without one, a wheel or a caster has no floor below it."""
+    def decision(self) -> Decision:
+        """What became of the last command."""
+
+    def scan(self, message: LaserScan, stamp: int, now: float) -> None:
+        """A fused scan came."""
+
+    def command(self, message: Velocity, stamp: int, now: float) -> None:
+        """A command came."""
+
+
+class Rig(ABC):
+    """A simulated robot with its gate."""
+
+    settings: Settings  # of perception
+    size: Size
+
+    def __init__(self, robot: Simulated, controller: Controller) -> None:
+        self._simulated, self._gate = robot, controller
+        self.world, self.camera = robot.world, robot.camera
+
+    @property
+    def time(self) -> float:
+        """[s] that has passed."""
+        return self._simulated.time
+
+    @property
+    def pose(self) -> Pose:
+        """Where the robot truly is."""
+        return self._simulated.pose
+
+    @property
+    def fallen(self) -> bool:
+        """Whether it fell."""
+        return self._simulated.fallen
 
     @property
     def decision(self) -> Decision:
         """What the gate made of the last command."""
-
-    def step(self) -> None:
-        """Let TICK pass, and have the gate read what the base reports."""
+        return self._gate.decision
 
     def frame(self) -> Millimetres:
         """What the camera sees."""
+        return self._simulated.frame()
 
     def see(self, scan: LaserScan) -> None:
         """The gate receives a fused scan."""
+        self._gate.scan(scan, _stamp(self.time), self.time)
 
     def ask(self, linear: float, angular: float) -> None:
         """The gate receives a command [m/s, rad/s]."""
+        stamp = _stamp(self.time)
+        self._gate.command(Velocity(stamp=stamp, linear=linear, angular=angular), stamp, self.time)
 
+    @property
+    @abstractmethod
+    def bumps(self) -> int:
+        """How often something began to push it."""
+
+    @property
+    @abstractmethod
+    def cliff(self) -> bool:
+        """Whether a cliff sensor fires or, without one, a wheel or a caster has no floor below it."""
+
+    @abstractmethod
+    def step(self) -> None:
+        """Let TICK pass, and have the gate read what the base reports."""
+
+    @abstractmethod
     def finish(self) -> None:
         """Time passes for the gate; what it decided goes to the base."""
 
 
-class TurtleBot2:
+class TurtleBot2(Rig):
     """A TurtleBot 2 behind the driver of its base."""
+
+    settings, size = Settings(), TURTLEBOT_2_SIZE
 
     def __init__(self, world: str, seed: int, warn: Warn) -> None:
         self._robot = RobotSimulation(world, seed=seed, wheels=WheelModel(noise=ENCODER_NOISE))
-        self.world, self.camera, self.settings = self._robot.world, self._robot.camera, Settings()
-        self.size = TURTLEBOT_2_SIZE
         self._controller = BaseController(KobukiConfig(), warn)
+        super().__init__(self._robot, self._controller)
         self._controller.connect(simulated=True, now=0.0)
         self._controller.describe(CameraDescription.of(self.camera, FRAME, simulated=True))
         self._core: Core | None = None
         self._to_base = b""
-        self.frame: Callable[[], Millimetres] = self._robot.frame
-
-    @property
-    def time(self) -> float:
-        """See Rig."""
-        return self._robot.time
-
-    @property
-    def pose(self) -> Pose:
-        """See Rig."""
-        return self._robot.pose
-
-    @property
-    def fallen(self) -> bool:
-        """See Rig."""
-        return self._robot.fallen
 
     @property
     def bumps(self) -> int:
@@ -133,11 +170,6 @@ class TurtleBot2:
         """See Rig."""
         return bool(self._core and self._core.cliff)
 
-    @property
-    def decision(self) -> Decision:
-        """See Rig."""
-        return self._controller.decision
-
     def step(self) -> None:
         """See Rig."""
         said = self._robot.step(TICK, self._to_base)
@@ -145,34 +177,22 @@ class TurtleBot2:
             self._core = report.core
         self._controller.caught_up()
 
-    def see(self, scan: LaserScan) -> None:
-        """See Rig."""
-        self._controller.scan(scan, _stamp(self.time), self.time)
-
-    def ask(self, linear: float, angular: float) -> None:
-        """See Rig."""
-        stamp = _stamp(self.time)
-        self._controller.command(Velocity(stamp=stamp, linear=linear, angular=angular), stamp, self.time)
-
     def finish(self) -> None:
         """See Rig."""
         self._controller.tick(self.time)
         self._to_base = b"".join(output.data for output in self._controller.take_outputs())
 
 
-class Differential:
+class Differential(Rig):
     """A robot of another make behind the gate for any base: 0.70 m x 0.50 m, no bumper, no cliff sensor, no gyro.
 
     Its limits are the simulator's with some room, as `cliffscan calibrate --base` finds them.
     """
 
+    settings = Settings(NegativeConfig(field_of_view=WIDE), PositiveConfig(field_of_view=WIDE))
+
     def __init__(self, world: str, seed: int, warn: Warn) -> None:
         self._robot = DifferentialRobot(LARGE, world, seed=seed)
-        self.world, self.camera = self._robot.world, self._robot.camera
-        wide = 70.0  # [deg]
-        self.settings = Settings(NegativeConfig(field_of_view=wide), PositiveConfig(field_of_view=wide))
-        described = CameraDescription.of(self.camera, FRAME, simulated=True, place=Place(LARGE.camera_x, 0.0, 0.0))
-        self.size = Size(0.25, 0.33, 0.40, View.of(described))
         config = GateConfig(
             simulated=True,
             footprint=LARGE.footprint,
@@ -182,24 +202,11 @@ class Differential:
             start_free=0.75,
         )
         self._controller = GateController(config, warn)
+        super().__init__(self._robot, self._controller)
+        described = CameraDescription.of(self.camera, FRAME, simulated=True, place=Place(LARGE.camera_x, 0.0, 0.0))
+        self.size = Size(0.25, 0.33, 0.40, View.of(described))
         self._controller.describe(described)
         self._ticks = 0
-        self.frame: Callable[[], Millimetres] = self._robot.frame
-
-    @property
-    def time(self) -> float:
-        """See Rig."""
-        return self._robot.time
-
-    @property
-    def pose(self) -> Pose:
-        """See Rig."""
-        return self._robot.pose
-
-    @property
-    def fallen(self) -> bool:
-        """See Rig."""
-        return self._robot.fallen
 
     @property
     def bumps(self) -> int:
@@ -210,11 +217,6 @@ class Differential:
     def cliff(self) -> bool:
         """See Rig."""
         return self._robot.over_nothing
-
-    @property
-    def decision(self) -> Decision:
-        """See Rig."""
-        return self._controller.decision
 
     def step(self) -> None:
         """See Rig."""
@@ -232,15 +234,6 @@ class Differential:
                 twist_covariance=COVARIANCE,
             )
             self._controller.odometry(message, _stamp(self.time), self.time)
-
-    def see(self, scan: LaserScan) -> None:
-        """See Rig."""
-        self._controller.scan(scan, _stamp(self.time), self.time)
-
-    def ask(self, linear: float, angular: float) -> None:
-        """See Rig."""
-        stamp = _stamp(self.time)
-        self._controller.command(Velocity(stamp=stamp, linear=linear, angular=angular), stamp, self.time)
 
     def finish(self) -> None:
         """See Rig."""

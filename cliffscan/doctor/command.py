@@ -9,9 +9,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
 
 from cliffscan.common.runtime import options
-from cliffscan.common.runtime.bus import Bus, NotConnected
+from cliffscan.common.runtime.bus import Bus
 from cliffscan.common.runtime.config import ServiceConfig, load, meant_for
 from cliffscan.common.runtime.endpoints import parse
+from cliffscan.common.runtime.network import NotConnected
 from cliffscan.common.runtime.secure import SecureError
 from cliffscan.common.runtime.service import StopSignal, package_version
 from cliffscan.doctor import devices, host

@@ -16,7 +16,7 @@ LOCALHOST = "localhost"
 
 
 class Access(NamedTuple):
-    """Who may connect."""
+    """Decides whether a connection is accepted."""
 
     token: str  # that the address must carry; empty: none
     origins: Collection[str] = ()  # further web pages that may read, as https://app.example.org

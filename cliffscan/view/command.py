@@ -5,7 +5,7 @@ import sys
 import threading
 from collections.abc import Collection
 
-from cliffscan.common.runtime.bus import Network
+from cliffscan.common.runtime.network import Network
 from cliffscan.common.runtime.service import StopSignal, connect
 from cliffscan.view.access import Access
 from cliffscan.view.robots import Robots
@@ -23,7 +23,10 @@ def view(
     with Server(bind, port, access, robots) as server:
         print(f"cliffscan view: {address(bind, server.port, access.token)}", flush=True)
         if access.token:
-            print("Whoever has this address can watch and stop the robot; it is not encrypted.", file=sys.stderr)
+            print(
+                "Keep this address secret: with it anybody can stop the robot. It is not encrypted.",
+                file=sys.stderr,
+            )
         bus = connect(network, robot, stop)
         if bus is not None:
             with bus:

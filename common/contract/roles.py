@@ -1,4 +1,4 @@
-"""Who publishes and receives what on a secured network: one row a role, over the rows of topics.py.
+"""The roles of a secured network. Each role is one row: it publishes and receives rows of topics.py.
 
 A role is the common name of a certificate. The rules that a secured router keeps follow from this table, and so does
 the table in docs/security.md. What is in no row is refused.

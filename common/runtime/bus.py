@@ -5,8 +5,6 @@ import threading
 import time
 from collections.abc import Callable, Collection
 from copy import copy
-from dataclasses import dataclass, field
-from pathlib import Path
 from typing import Any, Generic, Self, TypeVar
 
 import msgpack
@@ -15,23 +13,13 @@ import zenoh
 from cliffscan.common.contract.limits import SMALL
 from cliffscan.common.contract.message import Message, MessageError, check_size, unpack
 from cliffscan.common.contract.topics import ROBOT_NAME, Topic, alive, most_bytes
-from cliffscan.common.runtime import zenoh_config
-from cliffscan.common.runtime.door import Door, Keys
-from cliffscan.common.runtime.endpoints import parse as endpoint_of
 from cliffscan.common.runtime.foreign_keys import ForeignKeys
 from cliffscan.common.runtime.metrics import ServiceMetrics
+from cliffscan.common.runtime.network import BusError, Network, first_line, linked, open_session
 from cliffscan.common.runtime.pace import Pace
 from cliffscan.common.runtime.qos import declare_publisher
 from cliffscan.common.runtime.raw_samples import RawSamples
 from cliffscan.common.runtime.reader import Readers
-from cliffscan.common.runtime.secure import (
-    CONFIG,
-    Credentials,
-    SecureError,
-    check_listening,
-    check_secured,
-    tls_settings,
-)
 
 M = TypeVar("M", bound=Message)
 log = logging.getLogger(__name__)
@@ -42,43 +30,6 @@ RATE = 200.0  # [Hz] at which the requests at a path are answered
 AGAIN = 0.05  # [s] after which a question that found nothing is put again
 EVERY = "**"  # robot, where a name may have several parts
 LATCH_TIMEOUT = 1.0  # [s] for what is kept to come
-
-
-class BusError(Exception):
-    """The network cannot be used as asked; the text is one line that says why."""
-
-
-class NotConnected(BusError):
-    """No endpoint answers yet; it is worth trying again."""
-
-
-@dataclass(frozen=True)
-class Network:
-    """Where the other processes are. Endpoints as `tcp/127.0.0.1:7447`; with none, peers on this machine are found."""
-
-    mode: str | None = None  # peer (Zenoh's default), client or router
-    connect: list[str] = field(default_factory=list)
-    listen: list[str] = field(default_factory=list)
-    zenoh_config: Path | None = None
-    secure: Credentials | None = None  # the file of its role takes the place of zenoh_config
-    insecure: bool = False  # others may connect from beyond this machine without keys
-
-    @property
-    def file(self) -> Path | None:
-        """The Zenoh file that holds."""
-        return self.secure.folder / CONFIG if self.secure else self.zenoh_config
-
-    def settings(self) -> dict[str, object]:
-        """Zenoh's settings by key, where this says something."""
-        named: dict[str, object] = {
-            "mode": self.mode,
-            "connect/endpoints": self.connect,
-            "listen/endpoints": self.listen,
-        }
-        if self.connect or (self.listen and self.mode != "router"):  # a router answers whoever looks for one
-            named["scouting/multicast/enabled"] = False  # others are where they were told to be
-        keys = tls_settings(self.secure.folder, self.secure.role) if self.secure else {}
-        return keys | {key: value for key, value in named.items() if value not in (None, [])}
 
 
 class Publisher(Generic[M]):
@@ -103,7 +54,7 @@ class Bus:
 
     def __init__(self, network: Network, robot: str) -> None:
         """Raises NotConnected where a client finds no router, BusError where the settings make no sense."""
-        self._session, self._door = _open(network, robot)
+        self._session, self._door = open_session(network, robot)
         self._readers = Readers()
         self._metrics = ServiceMetrics()
         self._begin(robot)
@@ -124,8 +75,7 @@ class Bus:
     @property
     def connected(self) -> bool:
         """Whether a router or another peer is reached at this moment."""
-        info = self._session.info
-        return bool(info.routers_zid() or info.peers_zid())
+        return linked(self._session)
 
     def watch_door(self) -> None:
         """Log why nothing passes, as long as nothing does; until the session ends."""
@@ -233,7 +183,7 @@ class Bus:
             source = self._session.declare_subscriber(key, zenoh.handlers.RingChannel(room))
         except zenoh.ZError as error:
             path = key.removeprefix(f"{self.robot}/")
-            raise BusError(f"{path!r} is no key: {_first_line(error)}") from error
+            raise BusError(f"{path!r} is no key: {first_line(error)}") from error
         self._declared.append(source)
         self._readers.read(source, take, pace)
         return ended.set
@@ -381,70 +331,3 @@ def _bytes(payload: zenoh.ZBytes, most: int) -> bytes:
 def encoding_of(topic: Topic[Any]) -> zenoh.Encoding:
     """The Zenoh encoding of a topic's samples, which names their schema."""
     return zenoh.Encoding("application/msgpack").with_schema(topic.message.schema_name())
-
-
-def check(network: Network) -> None:
-    """Raise BusError where the network cannot be used as asked, whoever is on it."""
-    _configured(network)
-
-
-def targets(network: Network) -> list[str]:
-    """The endpoints to which a process connects. Raises BusError as check() does."""
-    return zenoh_config.endpoints_of(_configured(network)[0], "connect/endpoints")
-
-
-def _configured(network: Network) -> tuple[zenoh.Config, Keys | None]:
-    """Zenoh's configuration, and the keys where there are some. Raises BusError."""
-    try:
-        keys = Keys.of(network.secure) if network.secure else None
-        config = zenoh_config.build(network.settings(), network.file)
-        _check_endpoints(network, config)
-    except SecureError as error:
-        raise BusError(str(error)) from error
-    except zenoh.ZError as error:
-        raise BusError(f"Zenoh refuses the configuration: {_first_line(error)}") from error
-    return config, keys
-
-
-def _open(network: Network, robot: str) -> tuple[zenoh.Session, Door]:
-    config, keys = _configured(network)
-    targets = zenoh_config.endpoints_of(config, "connect/endpoints")
-    door = Door(targets, keys, robot)
-    try:
-        session = zenoh.open(config)
-    except zenoh.ZError as error:
-        reason = _first_line(error)
-        if "Unable to connect" in reason:
-            raise NotConnected(door.why_closed() or reason) from error
-        raise BusError(reason) from error
-    door.open(lambda: _linked(session), lambda pattern: _has_token(session, pattern))
-    return session, door
-
-
-def _check_endpoints(network: Network, config: zenoh.Config) -> None:
-    """Raise SecureError where others could connect without keys, or a secured process speaks in the clear.
-
-    BusError where an endpoint to connect to names no host.
-    """
-    listens = zenoh_config.endpoints_of(config, "listen/endpoints")
-    connects = zenoh_config.endpoints_of(config, "connect/endpoints")
-    if nameless := [each for each in connects if endpoint_of(each).nameless]:
-        raise BusError(f"--connect {nameless[0]}: names no host: write it as tcp/HOST:7447")
-    if network.secure:
-        check_secured(network.secure, network.mode, network.listen, [*listens, *connects], network.zenoh_config)
-    elif not network.insecure:
-        check_listening(listens, zenoh_config.asks_for_keys(config))
-
-
-def _linked(session: zenoh.Session) -> bool:
-    """Whether there is a process at the other end of some link."""
-    return bool(session.info.routers_zid() or session.info.peers_zid())
-
-
-def _has_token(session: zenoh.Session, pattern: str) -> bool:
-    return any(reply.ok for reply in session.liveliness().get(pattern, timeout=LATCH_TIMEOUT))
-
-
-def _first_line(error: Exception) -> str:
-    """Zenoh's reason without the place in its source."""
-    return str(error).split(" at /")[0].splitlines()[0].strip()

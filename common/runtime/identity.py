@@ -22,7 +22,7 @@ SOON = 30  # [days] before the end of a certificate in which a person is told
 
 @dataclass(frozen=True)
 class Identity:
-    """Who a certificate says its holder is, and until when."""
+    """The holder that a certificate names, and the certificate's end."""
 
     robot: str
     role: str

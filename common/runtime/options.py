@@ -6,7 +6,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from cliffscan.common.contract.topics import ROBOT_NAME
-from cliffscan.common.runtime.bus import Network
+from cliffscan.common.runtime.network import Network
 from cliffscan.common.runtime.secure import Credentials
 
 ROBOT = "turtlebot"

@@ -22,11 +22,12 @@ from cliffscan.common.contract.topics import STATUS, Topic
 from cliffscan.common.runtime import config as configuration
 from cliffscan.common.runtime import options
 from cliffscan.common.runtime.alive_file import mark_alive
-from cliffscan.common.runtime.bus import Bus, BusError, Network, NotConnected, Publisher
+from cliffscan.common.runtime.bus import Bus, Publisher
 from cliffscan.common.runtime.config import ConfigError, ServiceConfig
 from cliffscan.common.runtime.decoder import Decoder
 from cliffscan.common.runtime.latest_queue import LatestQueue
 from cliffscan.common.runtime.metrics import ServiceMetrics
+from cliffscan.common.runtime.network import BusError, Network, NotConnected
 
 C = TypeVar("C", bound=ServiceConfig)
 M = TypeVar("M", bound=Message)

@@ -11,7 +11,8 @@ import pytest
 import zenoh
 
 from cliffscan.common.contract.topics import VELOCITY
-from cliffscan.common.runtime.bus import Bus, Network
+from cliffscan.common.runtime.bus import Bus
+from cliffscan.common.runtime.network import Network
 from tests.service.conftest import DEADLINE
 
 NOT_LATE = 1.0  # [s] that a single answer may take in a flood; without rings it takes ten

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from tests.external_base import ExternalBase
-from tests.service.conftest import DEADLINE, scan
+from tests.service.conftest import DEADLINE, scan, wait_until
 
 
 class Guarded:
@@ -39,17 +39,10 @@ class Guarded:
         return self.until(lambda state: state["rule"] == rule, **how)
 
     def until_it(self, holds, **how):
-        deadline = time.monotonic() + DEADLINE
-        while not holds():
-            assert time.monotonic() < deadline
-            self.drive(**how)
-            time.sleep(0.02)
+        wait_until(lambda: self.drive(**how) or holds())
 
     def wait_at_rest(self):
-        deadline = time.monotonic() + DEADLINE
-        while self.base.speed != [0.0, 0.0]:
-            assert time.monotonic() < deadline
-            time.sleep(0.02)
+        wait_until(lambda: self.base.speed == [0.0, 0.0])
 
 
 @pytest.fixture

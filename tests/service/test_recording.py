@@ -14,7 +14,7 @@ from cliffscan.common.runtime.raw_samples import RawSample
 from cliffscan.recording.parts import Limits, Parts
 from cliffscan.recording.reading import Recording
 from tests.recordings import SECOND, by_mcap_ros2, by_rosbags, drive, stamps
-from tests.service.conftest import DEADLINE
+from tests.service.conftest import DEADLINE, wait_until
 
 RATE = 15.0  # [Hz]
 MATRIX = [0.0] * 9
@@ -41,10 +41,7 @@ def record(client, run, place):
         process = run(cliffscan("record", path, *place, *options))
         process.wait_said(f"recording {client.robot} to")
         marked = client.session.declare_publisher(f"{client.robot}/camera/depth")
-        deadline = time.monotonic() + DEADLINE
-        while not marked.matching_status.matching:
-            assert time.monotonic() < deadline, process.said
-            time.sleep(0.01)
+        wait_until(lambda: marked.matching_status.matching)
         return process
 
     return begin
@@ -84,10 +81,7 @@ class Payloads:
         )
 
     def wait(self, holds):
-        deadline = time.monotonic() + DEADLINE
-        while not holds(self.all):
-            assert time.monotonic() < deadline, len(self.all)
-            time.sleep(0.01)
+        wait_until(lambda: holds(self.all))
 
 
 def stamp(payload):
@@ -216,10 +210,7 @@ class Keys:
         )
 
     def wait(self, expected):
-        deadline = time.monotonic() + DEADLINE
-        while self._found != expected:
-            assert time.monotonic() < deadline, self._found
-            time.sleep(0.01)
+        wait_until(lambda: self._found == expected)
 
 
 def test_play_publishes_under_the_recorded_name_unless_another_is_given(client, place, tmp_path):

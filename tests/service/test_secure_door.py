@@ -1,4 +1,4 @@
-"""Who is let in, who is told why not, and what happens when certificates end: over real links."""
+"""A router accepts good keys and refuses others; the refused process logs why. Certificates end. Over real links."""
 
 import json
 import shutil
@@ -9,7 +9,8 @@ import msgpack
 import pytest
 import zenoh
 
-from cliffscan.common.runtime.bus import Bus, Network, NotConnected
+from cliffscan.common.runtime.bus import Bus
+from cliffscan.common.runtime.network import Network, NotConnected
 from cliffscan.common.runtime.secure import Credentials
 from cliffscan.common.runtime.tls_probe import why_unreachable
 from cliffscan.secure.folder import KeyFolder

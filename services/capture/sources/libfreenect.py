@@ -5,6 +5,9 @@ Source: libfreenect.h of version 0.5.3. Every function returns a negative number
 
 import ctypes
 
+from cliffscan.services.capture.sources import shared_library
+from cliffscan.services.capture.sources.shared_library import Prototypes
+
 NAMES = ("libfreenect.so.0.5", "libfreenect.so.0", "libfreenect.so")  # as Debian, others and a local build call it
 
 DEVICE_CAMERA = 0x02
@@ -55,7 +58,7 @@ class Timeval(ctypes.Structure):
 
 
 _Handle = ctypes.c_void_p
-_PROTOTYPES: dict[str, tuple[type | None, tuple[type, ...]]] = {
+_PROTOTYPES: Prototypes = {
     "freenect_init": (ctypes.c_int, (ctypes.POINTER(_Handle), ctypes.c_void_p)),
     "freenect_shutdown": (ctypes.c_int, (_Handle,)),
     "freenect_set_log_level": (None, (_Handle, ctypes.c_int)),
@@ -75,13 +78,4 @@ _PROTOTYPES: dict[str, tuple[type | None, tuple[type, ...]]] = {
 
 def load() -> ctypes.CDLL:
     """The installed library, its functions typed. Raises OSError where there is none."""
-    for name in NAMES:
-        try:
-            library = ctypes.CDLL(name)
-        except OSError:
-            continue
-        for function, (result, arguments) in _PROTOTYPES.items():
-            getattr(library, function).restype = result
-            getattr(library, function).argtypes = arguments
-        return library
-    raise OSError(f"no library called {' or '.join(NAMES)}")
+    return shared_library.load(NAMES, _PROTOTYPES)

@@ -6,6 +6,9 @@ whose result is given below; its handles are pointers.
 
 import ctypes
 
+from cliffscan.services.capture.sources import shared_library
+from cliffscan.services.capture.sources.shared_library import Prototypes
+
 NAMES = ("libOpenNI2.so.0", "libOpenNI2.so")  # as Debian and as the vendors call it
 API_VERSION = 2002  # 1000 · major + minor
 
@@ -93,7 +96,7 @@ class Frame(ctypes.Structure):
 _Int = ctypes.POINTER(ctypes.c_int)
 _Infos = ctypes.POINTER(DeviceInfo)
 _Frame = ctypes.POINTER(Frame)
-_PROTOTYPES: dict[str, tuple[type | None, tuple[type, ...]]] = {
+_PROTOTYPES: Prototypes = {
     "oniInitialize": (ctypes.c_int, (ctypes.c_int,)),
     "oniGetExtendedError": (ctypes.c_char_p, ()),
     "oniGetDeviceList": (ctypes.c_int, (ctypes.POINTER(_Infos), _Int)),
@@ -118,13 +121,4 @@ _PROTOTYPES: dict[str, tuple[type | None, tuple[type, ...]]] = {
 
 def load() -> ctypes.CDLL:
     """The installed library, its functions typed. Raises OSError where there is none."""
-    for name in NAMES:
-        try:
-            library = ctypes.CDLL(name)
-        except OSError:
-            continue
-        for function, (result, arguments) in _PROTOTYPES.items():
-            getattr(library, function).restype = result
-            getattr(library, function).argtypes = arguments
-        return library
-    raise OSError(f"no library called {' or '.join(NAMES)}")
+    return shared_library.load(NAMES, _PROTOTYPES)

@@ -98,7 +98,7 @@ def test_a_folder_that_cannot_be_written_is_told(tmp_path):
         written(tmp_path / "file/units", *KINECT)
 
 
-@pytest.mark.skipif(not shutil.which("systemd-analyze"), reason="systemd-analyze is not here")
+@pytest.mark.skipif(not shutil.which("systemd-analyze"), reason="needs Debian's package systemd (systemd-analyze)")
 def test_systemd_takes_the_units(part, tmp_path):
     written(tmp_path, *PARTS[part])
     files = sorted(map(str, tmp_path.iterdir()))

@@ -8,8 +8,9 @@ from pathlib import Path
 
 import pytest
 
-from cliffscan.common.runtime.bus import Bus, BusError, Network
+from cliffscan.common.runtime.bus import Bus
 from cliffscan.common.runtime.door import Keys
+from cliffscan.common.runtime.network import BusError, Network
 from cliffscan.common.runtime.secure import Credentials
 from cliffscan.secure import authority
 from cliffscan.secure.folder import KeyFolder

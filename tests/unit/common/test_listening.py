@@ -2,8 +2,8 @@
 
 import pytest
 
-from cliffscan.common.runtime.bus import BusError, Network, check
 from cliffscan.common.runtime.endpoints import parse
+from cliffscan.common.runtime.network import BusError, Network, check
 from cliffscan.common.runtime.secure import Credentials
 from cliffscan.secure.folder import KeyFolder
 

@@ -5,7 +5,8 @@ import json
 import pytest
 import zenoh
 
-from cliffscan.common.runtime.bus import Bus, BusError, Network
+from cliffscan.common.runtime.bus import Bus
+from cliffscan.common.runtime.network import BusError, Network
 from cliffscan.common.runtime.zenoh_config import BETWEEN_ROUTERS, DEFAULTS, build
 
 

@@ -22,7 +22,7 @@ def compose():
 
 
 COMPOSE = compose()
-pytestmark = pytest.mark.skipif(COMPOSE is None, reason="docker compose is not here")
+pytestmark = pytest.mark.skipif(COMPOSE is None, reason="needs the package docker-compose-plugin (docker compose)")
 
 
 def configured(files, **variables):
