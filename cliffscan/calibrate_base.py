@@ -27,6 +27,7 @@ from cliffscan.plain import plain
 
 SOURCE = "calibrate"
 PERIOD = 0.02  # [s] between two commands
+LONGEST_GAP = 0.15  # [s] between two messages of odometry: how it brakes in a longer one is not seen
 FIRST = 5.0  # [s] in which a base that works has published its odometry
 STEADY = 0.3  # [s] at one speed before it is commanded to stand, over which the speed is taken
 STILL, STILL_FOR = 0.001, 0.3  # [m] or [rad] by which a robot at rest may move, and for how long [s]
@@ -84,6 +85,7 @@ class Track:
     def __init__(self, bus: Bus) -> None:
         self.rule, self.note = "", ""
         self.came = -math.inf  # [s]
+        self.gap = 0.0  # [s] the longest between two messages since this was last set
         self._recent: deque[tuple[float, float, float]] = deque(maxlen=256)  # when [s], way [m], heading [rad]
         self._last: tuple[float, float, float] | None = None
         bus.subscribe(ODOMETRY.path, lambda _, payload: self._moved(payload))
@@ -109,6 +111,8 @@ class Track:
                 way += dx * math.cos(theta - turn / 2) + dy * math.sin(theta - turn / 2)
                 heading += turn
             self._last, self.came = odometry.pose, time.monotonic()
+            if self._recent:
+                self.gap = max(self.gap, odometry.stamp * 1e-9 - self._recent[-1][0])
             self._recent.append((odometry.stamp * 1e-9, way, heading))
 
     def _decided(self, payload: bytes) -> None:
@@ -137,11 +141,15 @@ class Trials:
     def stops(self, kind: Kind, fastest: float) -> list[Stop]:
         """Stops from several speeds, to either side in turn, so that the robot ends near where it began."""
         speeds = [side * share * fastest for share in SHARES for side in (1, -1)]
-        return [self._one(kind, speed) for speed in speeds]
+        try:
+            return [self._one(kind, speed) for speed in speeds]
+        finally:
+            self._command(kind, 0.0)
 
     def _one(self, kind: Kind, speed: float) -> Stop:
         """Get to a speed, hold it for a moment, and stop. Raises NotMeasured."""
         track, begin = self._track, time.monotonic()
+        track.gap = 0.0
         steady_since = math.inf
         while time.monotonic() - steady_since < STEADY:
             self._command(kind, speed)
@@ -154,6 +162,8 @@ class Trials:
         while time.monotonic() - stopped < STILL_FOR or abs(track.since(kind, STILL_FOR)) > STILL:
             self._command(kind, 0.0)
             self._check(stopped, "it does not come to rest")
+        if track.gap > LONGEST_GAP:
+            raise NotMeasured(f"{track.gap:.2f} s between two messages of odometry: measure where nothing else is busy")
         return Stop(taken, abs(track.at(kind) - at))
 
     def _command(self, kind: Kind, speed: float) -> None:

@@ -316,7 +316,9 @@ def build_parser() -> argparse.ArgumentParser:
         role="",
     )
     options.add_config(calibrating)
-    calibrating.add_argument("--role", metavar="NAME", help="whose keys --secure uses (operator; driver with --base)")
+    calibrating.add_argument(
+        "--role", default="", metavar="NAME", help="whose keys --secure uses (operator; driver with --base)"
+    )
     calibrating.add_argument(
         "--seconds", type=options.positive, default=5.0, metavar="S", help="how long to look at the floor"
     )

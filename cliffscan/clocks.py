@@ -2,9 +2,11 @@
 
 from collections import deque
 
+from cliffscan.common.runtime.config import BASES
+
 KEPT = 10  # statuses of each service: a clock that is set is followed in as many seconds
 TOLERATED = 0.05  # [s] by which clocks may differ: less cannot be distinguished from the network's delays
-REFERENCES = ("capture", "kobuki", "gate")  # the services on the robot, by whose clock the frames are stamped
+REFERENCES = ("capture", *BASES)  # the services on the robot, by whose clock the frames are stamped
 
 
 class Clocks:

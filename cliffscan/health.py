@@ -37,7 +37,7 @@ def examine(alive: set[str], last: Mapping[str, LastStatus], clocks: Clocks, now
     """Every service that is there or should be, in alphabetical order. now: by the steady clock [s]."""
     silent = {name for name in alive | last.keys() if name not in last or now - last[name].at > SILENT}
     working = {name: last[name].status for name in alive if name not in silent}
-    base = [name for name in BASES if name in alive | last.keys()] or SERVICES[-1:]
+    base = [name for name in BASES if name in alive | last.keys()] or BASES[:1]
     names = sorted(alive | last.keys() | {*SENSING, *base})
     return [_examined(name, name in alive, last.get(name), working, clocks, now) for name in names]
 

@@ -7,5 +7,6 @@ A driver translates its base into `inputs` and asks a `MessageGate`:
     gate.scan(scan, stamp, now)
     gate.describe(camera)
     gate.report(report, stamp, now)  # at each report of the base
+    gate.caught_up()  # when all that the base sent has been read
     allowed = gate.decide(now).allowed  # goes to the wheels
 """

@@ -45,6 +45,16 @@ class Contacts(NamedTuple):
     overcurrents: Wheels = (False, False)  # a motor draws too much
     stop_button: bool = False  # the emergency stop on the body is pressed
 
+    def joined(self, later: Contacts) -> Contacts:
+        """All that is felt in one of them or in the other."""
+        return Contacts(
+            _sides(self.cliffs, later.cliffs),
+            _sides(self.bumpers, later.bumpers),
+            _wheels(self.wheel_drops, later.wheel_drops),
+            _wheels(self.overcurrents, later.overcurrents),
+            self.stop_button or later.stop_button,
+        )
+
 
 class Motion(NamedTuple):
     """How far the base has gone since it began to report, by its own clock and sensors."""
@@ -75,9 +85,7 @@ class SafetyLimits(NamedTuple):
     deceleration: float  # [m/s²] it brakes with, at the least
     angular_deceleration: float  # [rad/s²] with which a turn on the spot ends, at the least
     reaction: float  # [s] from a decision to its effect
-    radius: (
-        float  # [m] of the disc around the middle between the wheels that holds the body, where there is no footprint
-    )
+    radius: float  # [m] of the disc that holds the body, where there is no footprint
     footprint: Corners  # [m] of the polygon that holds it, in order; none for a disc
     margin: float  # [m] kept from what is in the way
     start_free: float  # [m] around the place where the robot was put down that is floor
@@ -90,3 +98,11 @@ class SafetyLimits(NamedTuple):
     def hull(self) -> Hull:
         """The shape of the body from above."""
         return hull_of(self.radius, self.footprint)
+
+
+def _sides(one: Sides, other: Sides) -> Sides:
+    return one[0] or other[0], one[1] or other[1], one[2] or other[2]
+
+
+def _wheels(one: Wheels, other: Wheels) -> Wheels:
+    return one[0] or other[0], one[1] or other[1]

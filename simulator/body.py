@@ -18,6 +18,7 @@ STEP = 2_000_000  # [ns] of the physics
 SIDES = ("left", "right")
 STEEPEST = math.sqrt(0.5)  # of a push's direction along the body's up: what comes from farther below is the ground
 PREFIX = "robot/"
+FALLEN_DEPTH = 0.04  # [m] below the floor
 
 
 class BodyModel(NamedTuple):
@@ -53,6 +54,10 @@ class Body:
         self.data.qpos[:3] = pose.x, pose.y, height
         self.data.qpos[3:7] = math.cos(pose.yaw / 2), 0.0, 0.0, math.sin(pose.yaw / 2)
         mujoco.mj_forward(self.model, self.data)
+
+    def has_fallen(self, tilt: float) -> bool:
+        """Whether it tilts by more [rad], or sank."""
+        return self.tilt > tilt or float(self.position[2]) < -FALLEN_DEPTH
 
     def step(self, speeds: Wheels) -> None:
         """Let one STEP pass, in which the motors make for these speeds of the rims [m/s]."""

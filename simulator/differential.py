@@ -22,8 +22,7 @@ from cliffscan.simulator.wheels import PhysicalWheels
 from cliffscan.simulator.world import START, Pose, World
 
 TIMEOUT = 0.3  # [s] without a command after which the base stands
-FALLEN_TILT = math.radians(10.0)  # more than any ramp and nod
-FALLEN_DEPTH = 0.04  # [m] below the floor
+FALLEN_TILT = math.radians(10.0)  # long and low: it nods by less, and lies on its belly sooner, than a TurtleBot 2
 NO_FLOOR = 0.06  # [m] below a wheel or a caster that stands on nothing
 
 
@@ -108,7 +107,7 @@ class DifferentialRobot:
         pushed = bool(len(self.body.contacts()))
         self.bumps += pushed and not self._pushed
         self._pushed = pushed
-        self.fallen |= self.body.tilt > FALLEN_TILT or float(self.body.position[2]) < -FALLEN_DEPTH
+        self.fallen |= self.body.has_fallen(FALLEN_TILT)
 
     def frame(self) -> Millimetres:
         """What the sensor sees now: (rows, cols) [mm], 0 = no return."""

@@ -26,7 +26,6 @@ from cliffscan.simulator.world import START, Pose, World
 
 FEEL_PERIOD = 0.01  # [s] the longest time between two looks at the sensors
 FALLEN_TILT = math.radians(20.0)  # more than any ramp and nod
-FALLEN_DEPTH = 0.04  # [m] below the floor
 
 
 class RobotBase(Base):
@@ -75,7 +74,7 @@ class RobotBase(Base):
         self.bumps += felt.bumped and not self._pushed
         self.bumped |= felt.bumped
         self._pushed = felt.bumped
-        self.fallen |= self.body.tilt > FALLEN_TILT or float(self.body.position[2]) < -FALLEN_DEPTH
+        self.fallen |= self.body.has_fallen(FALLEN_TILT)
 
 
 class RobotSimulation:

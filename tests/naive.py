@@ -16,7 +16,7 @@ from cliffscan.common.perception.image_region import ImageRegion
 from cliffscan.services.negative.beam_lines import APART, BeamLines, beam_lines, heights_along, lines_per_beam
 from cliffscan.services.negative.floor_following import End, FloorCriteria
 from cliffscan.services.negative.line_edges import AGREE, NARROWEST, SIDE
-from cliffscan.services.negative.ramps import tells_ramps
+from cliffscan.services.negative.ramps import resolves_ramps
 from tests import naive_trace
 
 
@@ -138,7 +138,7 @@ def near_edge(
                 ends[line] = End.OCCLUDED
     for line in range(many):
         seen = heights, order, view, region.camera, criteria, line, int(rows[line])
-        if numbered(ends[line]) and tells_ramps(region.camera) and naive_trace.ramp_ahead(*seen):
+        if numbered(ends[line]) and resolves_ramps(region.camera) and naive_trace.ramp_ahead(*seen):
             ends[line] = End.UNVERIFIED
     levels = [averaged(ends, rows, levels, line) for line in range(many)]
     ranges = [place(region, lines, line, rows[line], levels[line]) for line in range(many)]

@@ -19,7 +19,7 @@ from cliffscan.doctor import devices, host
 from cliffscan.doctor.finding import Finding, Level, fault, ok, warning, worst
 from cliffscan.doctor.observation import Observation, observe
 from cliffscan.doctor.verdicts import verdicts
-from cliffscan.parts import KOBUKI, ROBOT, WORKSTATION, bases
+from cliffscan.parts import GATE, KOBUKI, ROBOT, WORKSTATION
 from cliffscan.plain import plain
 from cliffscan.services.capture.config import CaptureConfig
 from cliffscan.services.kobuki.config import KobukiConfig
@@ -70,8 +70,10 @@ def check_devices(arguments: argparse.Namespace, seen: Observation) -> Iterator[
     source = _config("capture", CaptureConfig, arguments).source
     if seen.body and seen.body.simulated:
         yield ok(devices.BASE, "the base is simulated")
+    elif GATE in seen.alive:
+        yield ok(devices.BASE, f"{GATE} guards a base of another make")
     else:
-        yield devices.check_port(port, _absent(arguments.part, any(base in seen.alive for base in (KOBUKI, *bases()))))
+        yield devices.check_port(port, _absent(arguments.part, KOBUKI in seen.alive))
     if seen.camera and seen.camera.simulated:
         yield ok(devices.CAMERA, "the camera is simulated or recorded")
     elif source in ("", "kinect"):

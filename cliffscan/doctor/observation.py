@@ -25,6 +25,7 @@ from cliffscan.common.runtime.bus import Bus
 from cliffscan.common.runtime.service import StopSignal
 from cliffscan.doctor.stream import Arrival
 from cliffscan.health import LastStatus
+from cliffscan.parts import KOBUKI
 
 STREAMS = (DEPTH, SCAN_POSITIVE, SCAN_NEGATIVE, SCAN_FUSED, ODOMETRY)
 
@@ -84,7 +85,7 @@ class Observation:
             nx, ny, nz, d = map(float, fields["floor"])
             self.floors.append(Floor(FloorPlane(nx, ny, nz, d), float(fields.get("period", 0.0))))
         if path == ODOMETRY.path:
-            self._take_way("kobuki", at - stamp)
+            self._take_way(KOBUKI if KOBUKI in self.statuses else path, at - stamp)
 
     def _take_way(self, service: str, way: int) -> None:
         self.ways[service] = min(way, self.ways.get(service, way))

@@ -13,7 +13,7 @@ from cliffscan.doctor.finding import Finding, Level, fault, ok, warning
 from cliffscan.doctor.observation import STREAMS, Floor, Observation
 from cliffscan.doctor.stream import Stream, measure
 from cliffscan.health import SETTLED, Health, examine
-from cliffscan.parts import KOBUKI, bases
+from cliffscan.parts import KOBUKI
 
 CHRONY = "synchronise both hosts (chrony, docs/deployment.md)"
 REFUSES = 0.5  # [s] by which a command's stamp may be off before it moves nothing
@@ -40,10 +40,8 @@ def verdicts(seen: Observation, version: str) -> Iterator[Finding]:
 
 
 def _services(seen: Observation) -> Iterator[Finding]:
-    other_base = any(name in seen.alive for name in bases())
     for health in examine(seen.alive, seen.statuses, seen.clocks, seen.at):
-        if not (health.name == KOBUKI and health.state == "not found" and other_base):
-            yield Finding(_level(health), health.name, _in_words(health))
+        yield Finding(_level(health), health.name, _in_words(health))
 
 
 def _level(health: Health) -> Level:

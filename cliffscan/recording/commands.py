@@ -34,7 +34,7 @@ def add_recording(add: Add) -> None:
     """Add record, play, recover and replay-check."""
     text = "Record a robot into an MCAP file that ROS tools open too; Ctrl-C ends it."
     _add_record(add("record", record, text, role="recorder"))
-    _add_play(add("play", play, "Publish a recording as it came, of a broken file too."))
+    _add_play(add("play", play, "Publish a recording as it came, of a broken file too.", role=""))
     text = "Make a whole file of one whose writer was killed."
     mended = add("recover", recover, text, lambda _parser: None, role="")
     mended.add_argument("broken", type=Path, metavar="BROKEN.mcap")

@@ -1,6 +1,5 @@
 """`cliffscan play FILE.mcap`: publish what was recorded, at the times at which it came."""
 
-import sys
 import time
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
@@ -8,13 +7,13 @@ from typing import NamedTuple
 
 from cliffscan.common.contract.topics import DESCRIPTION, VELOCITY, VELOCITY_SAFE, command
 from cliffscan.common.runtime.bus import Bus
+from cliffscan.common.runtime.config import BASES
 from cliffscan.common.runtime.raw_samples import RawPublisher, RawSample, RawSamples, key_matcher
 from cliffscan.common.runtime.service import StopSignal
 from cliffscan.recording.reading import Recording
-from cliffscan.recording.words import duration
+from cliffscan.recording.words import duration, report
 
 COMMANDS = (VELOCITY.path, VELOCITY_SAFE.path, command("**"))
-GATES = {"kobuki", "gate"}  # services that move a base by what they receive
 SECOND = 1_000_000_000  # [ns]
 
 
@@ -30,9 +29,9 @@ class Options(NamedTuple):
 
 def play(bus: Bus, recording: Recording, options: Options, stop: StopSignal) -> int:
     """Play until the end or Ctrl-C; 1 where nothing was there to be played."""
-    live = GATES & bus.alive()
+    live = set(BASES) & bus.alive()
     if live and not options.commands:
-        _print(
+        report(
             f"{' and '.join(sorted(live))} of robot {bus.robot} would take the recording for what its camera sees now:"
             " end it, play as another robot (--robot NAME), or add --commands for a base that may move"
         )
@@ -41,20 +40,16 @@ def play(bus: Bus, recording: Recording, options: Options, stop: StopSignal) -> 
     begun = time.monotonic()
     while player.play(recording.samples()) and options.loop:
         pass
-    _print(f"played {player.played} samples in {duration(time.monotonic() - begun)}")
+    report(f"played {player.played} samples in {duration(time.monotonic() - begun)}")
     if player.left_out:
         counts = ", ".join(f"{count} of {path}" for path, count in sorted(player.left_out.items()))
-        _print(f"left out commands to a base: {counts}; --commands plays them")
+        report(f"left out commands to a base: {counts}; --commands plays them")
     if recording.damage.words:
-        _print(f"the file is broken: {recording.damage.words}")
+        report(f"the file is broken: {recording.damage.words}")
     if not player.played and not stop.is_set():
-        _print("nothing in the recording is on these keys after this start: see --keys and --start")
+        report("nothing in the recording is on these keys after this start: see --keys and --start")
         return 1
     return 0
-
-
-def _print(text: str) -> None:
-    print(f"cliffscan: {text}", file=sys.stderr, flush=True)
 
 
 class Player:

@@ -3,7 +3,6 @@
 import errno
 import logging
 import shutil
-import sys
 import threading
 import time
 from collections.abc import Callable, Sequence
@@ -19,7 +18,7 @@ from cliffscan.common.runtime.raw_samples import RawSample, key_matcher
 from cliffscan.common.runtime.service import StopSignal
 from cliffscan.recording.errors import RecordingError
 from cliffscan.recording.parts import Limits, Parts
-from cliffscan.recording.words import duration, size
+from cliffscan.recording.words import duration, report, size
 
 TURN = 0.1  # [s] between two looks at what came
 FLUSH = 0.5  # [s] between two chunks: a killed recorder loses no more than its last second
@@ -95,21 +94,17 @@ def record(bus: Bus, options: Options, stop: StopSignal) -> int:
                 DESCRIPTION.path,
                 lambda path, payload: inbox.put(RawSample(path, encoding, time.time_ns(), b"", payload)),
             )
-        _print(f"recording {bus.robot} to {parts.newest}, room for {size(_room(options))}; Ctrl-C ends it")
+        report(f"recording {bus.robot} to {parts.newest}, room for {size(_room(options))}; Ctrl-C ends it")
         recorder = Recorder(parts, inbox, options)
         full = recorder.run(stop)
     dropped = metrics.counts().get("dropped", 0)
-    _print(recorder.summary() + (f", {dropped} dropped" if dropped else ""))
+    report(recorder.summary() + (f", {dropped} dropped" if dropped else ""))
     if full:
         left = size(options.reserve)
-        _print(f"stopped, for the disk has less than {left} left: make room, or lower --reserve")
+        report(f"stopped, for the disk has less than {left} left: make room, or lower --reserve")
     elif not recorder.samples:
-        _print(NOTHING.format(""))
+        report(NOTHING.format(""))
     return 1 if full or not recorder.samples else 0
-
-
-def _print(text: str) -> None:
-    print(f"cliffscan: {text}", file=sys.stderr, flush=True)
 
 
 def _subscribe(bus: Bus, keys: Sequence[str], inbox: Inbox, metrics: ServiceMetrics) -> None:

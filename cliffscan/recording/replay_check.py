@@ -27,6 +27,7 @@ from cliffscan.recording.errors import RecordingError
 from cliffscan.recording.mcap_file import McapFile
 from cliffscan.recording.reading import Recording
 from cliffscan.recording.scan_comparison import Difference, Tally, compare
+from cliffscan.recording.words import report
 from cliffscan.services.negative.methods import METHODS
 from cliffscan.services.perception import configs
 from cliffscan.services.perception.perceive import Settings, perceive
@@ -173,15 +174,15 @@ def _report(check: ReplayCheck, recording: Recording, path: Path, picture: Path 
         raise RecordingError(f"{path} holds {has}: record camera/depth and scan/** at least")
     Console(width=None if sys.stdout.isatty() else WIDTH).print(_table(check))
     if check.alone:
-        _print(f"{check.alone} scans came without their frame, and were not compared")
+        report(f"{check.alone} scans came without their frame, and were not compared")
     if check.malformed:
-        _print(f"{check.malformed} samples are malformed, and were left out")
+        report(f"{check.malformed} samples are malformed, and were left out")
     if recording.damage.words:
-        _print(f"the file is broken: {recording.damage.words}")
+        report(f"the file is broken: {recording.damage.words}")
     differs = worst.share > check.limits.share
     if differs:
         tolerance, share = check.limits
-        _print(
+        report(
             f"{worst.path} of frame {worst.image.seq} differs in {100.0 * worst.share:.2f} % of its beams by more than"
             f" {tolerance:g} m or in kind, expected {100.0 * share:g} % at most"
         )
@@ -203,11 +204,7 @@ def _draw(worst: Worst, path: Path) -> None:
     try:
         from cliffscan.recording.worst_scan import draw
     except ModuleNotFoundError as error:
-        _print(f"no picture, for it needs the package {error.name}: pip install {error.name}")
+        report(f"no picture, for it needs the package {error.name}: pip install {error.name}")
         return
     draw(worst.image, worst.then, worst.now, worst.difference, worst.path, path)
-    _print(f"the scan that differs most is drawn in {path}")
-
-
-def _print(text: str) -> None:
-    print(f"cliffscan: {text}", file=sys.stderr, flush=True)
+    report(f"the scan that differs most is drawn in {path}")

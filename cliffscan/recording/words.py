@@ -2,6 +2,7 @@
 
 import math
 import re
+import sys
 
 UNITS = {"k": 10**3, "M": 10**6, "G": 10**9}
 SIZE = re.compile(r"([0-9]+(?:\.[0-9]+)?)([kMG]?)")
@@ -31,3 +32,8 @@ def duration(seconds: float) -> str:
         if seconds < 100.0 * factor:
             return f"{seconds / factor:.0f} {unit}"
     return f"{seconds / 86400.0:.0f} days" if math.isfinite(seconds) else "ever"
+
+
+def report(text: str) -> None:
+    """Print a line for a person, beside what a program may read."""
+    print(f"cliffscan: {text}", file=sys.stderr, flush=True)

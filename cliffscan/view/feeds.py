@@ -7,7 +7,7 @@ from functools import cached_property
 from typing import Any, Generic, TypeVar
 
 from cliffscan.common.contract.message import Message, MessageError, unpack
-from cliffscan.common.contract.topics import DESCRIPTION, Topic
+from cliffscan.common.contract.topics import Topic
 from cliffscan.common.runtime.bus import Bus
 from cliffscan.common.runtime.metrics import ServiceMetrics
 
@@ -15,7 +15,6 @@ M = TypeVar("M", bound=Message)
 
 RATE = 200.0  # [Hz] at which samples of a topic are looked at
 ROOM = 8  # samples that may wait until then
-LATCHED = (DESCRIPTION,)  # published once and kept
 
 
 class Sample(Generic[M]):
@@ -64,7 +63,7 @@ class Feed:
                 self._bus.retract()
 
     def _subscribe(self) -> None:
-        if self._topic in LATCHED:
+        if self._topic.latched:
             self._bus.receive_latched(self._topic.path, self._arrived)
         else:
             self._bus.subscribe(self._topic.path, self._arrived, ROOM, RATE, self._refused)

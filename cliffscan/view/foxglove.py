@@ -14,11 +14,11 @@ from websockets.exceptions import ConnectionClosed
 from websockets.sync.server import ServerConnection
 
 from cliffscan.common.contract.message import MessageError
+from cliffscan.recording.definitions import schema
 from cliffscan.services.ros2.cdr import CdrError
 from cliffscan.view.feeds import Feeds, Sample
 from cliffscan.view.foxglove_channels import Channel, Source, channels
 from cliffscan.view.outbox import Outbox
-from cliffscan.view.ros_schemas import schema
 
 SUBPROTOCOLS = ("foxglove.sdk.v1", "foxglove.websocket.v1")
 MESSAGE_DATA = 1  # opcode

@@ -5,16 +5,21 @@ from typing import Any, Generic, NamedTuple, TypeVar
 
 from cliffscan.common.contract import topics
 from cliffscan.common.contract.base_messages import Odometry
+from cliffscan.common.contract.beam_fields import Ranges
 from cliffscan.common.contract.description import RobotDescription
 from cliffscan.common.contract.map_messages import Pose2D
 from cliffscan.common.contract.message import Message
+from cliffscan.common.contract.messages import LaserScan
 from cliffscan.common.contract.topics import Topic
-from cliffscan.services.ros2 import messages, transforms
+from cliffscan.common.perception.known_ground import known_ground
+from cliffscan.services.ros2 import messages, scans, transforms
+from cliffscan.services.ros2.config import Ros2Config
 from cliffscan.services.ros2.map_frame import MapFrame
 
 M = TypeVar("M", bound=Message)
 
 BASE_FRAME = "base_link"
+SLAM_RANGE: float = Ros2Config.model_fields["slam_range"].default  # [m]
 SCAN_HEIGHT = 0.0  # [m] above the floor: a viewer draws what lies there
 
 
@@ -53,7 +58,12 @@ def channels() -> list[Channel]:
         Channel(
             "/scan",
             "sensor_msgs/msg/LaserScan",
-            (Source(scan, lambda each: messages.laser_scan(each, each.ranges, frame, each.range_max)),),
+            (Source(scan, lambda each: _scan(each, scans.for_slam(each, known_ground(each), SLAM_RANGE))),),
+        ),
+        Channel(
+            "/scan_marks",
+            "sensor_msgs/msg/LaserScan",
+            (Source(scan, lambda each: _scan(each, scans.for_marking(each, SLAM_RANGE))),),
         ),
         Channel(
             "/cliff_points",
@@ -67,6 +77,10 @@ def channels() -> list[Channel]:
         Channel(image, "sensor_msgs/msg/Image", (Source(topics.DEPTH, messages.image),)),
         Channel(info, "sensor_msgs/msg/CameraInfo", (Source(topics.DEPTH, messages.camera_info),)),
     ]
+
+
+def _scan(scan: LaserScan, ranges: Ranges) -> bytes:
+    return messages.laser_scan(scan, ranges, transforms.SCAN_FRAME, scans.range_max(SLAM_RANGE))
 
 
 def _mount(description: RobotDescription) -> bytes | None:

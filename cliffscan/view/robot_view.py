@@ -233,7 +233,6 @@ def _base(state: BaseState) -> dict[str, object]:
         "felt": felt(state),
         "cliffs": state.cliffs,
         "bumpers": state.bumpers,
-        "wheel_drops": state.wheel_drops,
         "voltage": state.battery_voltage,
         "percent": state.battery_percent,
         "charger": state.charger,

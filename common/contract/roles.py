@@ -127,8 +127,8 @@ ROLES: tuple[Role, ...] = (
     Role("recorder", "a recording", (), TOPICS, wild=True),
 )
 
-_TO_ROBOT = (SCAN_POSITIVE, SCAN_NEGATIVE, SCAN_OF_METHOD, *FUSED, BACK, VELOCITY)
-_FROM_ROBOT = (DEPTH, DESCRIPTION, *SENT, *BASE, IMU, SCAN_POSITIVE, SCAN_NEGATIVE, SCAN_OF_METHOD, *FUSED)
+_TO_ROBOT = (SCAN_POSITIVE, SCAN_NEGATIVE, SCAN_OF_METHOD, *FUSED, VELOCITY)
+_FROM_ROBOT = (DEPTH, DESCRIPTION, *BASE, IMU, SCAN_POSITIVE, SCAN_NEGATIVE, SCAN_OF_METHOD, *FUSED)
 
 # What a router admits from the other one, by its own role: neither passes on what the other's side must not publish.
 NEIGHBOURS: Mapping[str, Role] = {

@@ -58,11 +58,6 @@ class Fuser:
         metrics.output(pair.positive.stamp)
         return True
 
-    def forward(self, fused: LaserScan) -> None:
-        """Publish a frame's scan that another process fused."""
-        self._publisher.put(fused)
-        self._service.metrics.output(fused.stamp)
-
     def _fresh(self, stamp: int) -> dict[str, tuple[ExtraInput, LaserScan]]:
         """The newest scan of every extra input that has one of about this stamp [ns]."""
         return {

@@ -29,6 +29,7 @@ class GateController:
         self._gate = MessageGate(limits, WHEEL_SEPARATION, warn)
         self._track = OdometryTrack(limits)
         self._contacts, self._felt_at = NOTHING_FELT, math.inf  # [s], infinite while no state has come
+        self._touched = NOTHING_FELT  # all that was felt since the last odometry
         self._outputs: list[Twist] = []
         self._odd = ""  # what is wrong with the odometry that comes
         self.describe, self.scan = self._gate.describe, self._gate.scan
@@ -57,19 +58,23 @@ class GateController:
         if self._odd:
             self._warn("odometry_refused", self._odd)
             return
+        if self._state_is_silent(now):
+            return  # the track sees the gap when the state comes again, and begins anew
         step = self._track.update(message, now)
-        if step is None or self._state_is_silent(now):
+        if step is None:
             return
-        self._gate.report(BaseReport(self._contacts, *step), message.stamp, now)
+        self._gate.report(BaseReport(self._touched, *step), message.stamp, now)
+        self._touched = self._contacts
         self._gate.caught_up()  # what is older than SILENT was refused
         self.decide(now)
 
     def state(self, message: BaseState, stamp: int, now: float) -> None:
-        """What the base feels. It counts with the next odometry; one that is old, or of the future, not at all."""
+        """What the base feels. All of it counts with the next odometry, and a state of another time not at all."""
         if odd := _off("base/state", message.stamp, stamp):
             self._warn("state_refused", odd)
             return
         self._felt_at = now
+        before = self._touched
         self._contacts = Contacts(
             cliffs=message.cliffs,
             bumpers=message.bumpers,
@@ -77,6 +82,7 @@ class GateController:
             overcurrents=message.overcurrents,
             stop_button=message.buttons[0],
         )
+        self._touched = before.joined(self._contacts)
 
     def command(self, message: Velocity, stamp: int, now: float) -> None:
         """Somebody wants the robot to move; decided with the next odometry, or now if it slows down."""

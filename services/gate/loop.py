@@ -9,7 +9,7 @@ from collections.abc import Callable
 from typing import TypeVar
 
 from cliffscan.common.contract import topics
-from cliffscan.common.contract.base_messages import Velocity
+from cliffscan.common.contract.base_messages import BaseState, Velocity
 from cliffscan.common.contract.description import RobotDescription
 from cliffscan.common.contract.message import Message
 from cliffscan.common.runtime.command_handlers import Answer, CommandHandler, done, unknown_command
@@ -25,7 +25,7 @@ M = TypeVar("M", bound=Message)
 
 SOURCE = "gate"
 SILENCE = 1.0  # [s] without odometry after which the status says so
-NO_ODOMETRY = f"no odometry comes on {topics.ODOMETRY.path}: does the base's driver run, by a synchronised clock?"
+SILENT_BASE = f"no odometry comes on {topics.ODOMETRY.path}: does the base's driver run, by a synchronised clock?"
 
 
 class GateLoop:
@@ -47,7 +47,7 @@ class GateLoop:
         self._describe(RobotDescription(stamp=time.time_ns(), body=body))
         service.receive(topics.VELOCITY, self._on_command)
         self._receive(topics.ODOMETRY, controller.odometry)
-        self._receive(topics.BASE_STATE, controller.state)
+        service.receive(topics.BASE_STATE, self._on_state)
         self._receive(topics.SCAN_FUSED, controller.scan)
         service.receive_latched(topics.DESCRIPTION, self._on_description)
         requests = {"stop": self._stop, "clear_safety": self._clear}
@@ -68,7 +68,7 @@ class GateLoop:
         if self._reports.due(self._controller.reasons(now), now):
             self._safety.put(self._controller.safety_state(time.time_ns(), now))
         silent = now - self._controller.alive_at > SILENCE
-        self._service.note = NO_ODOMETRY if silent else ""
+        self._service.note = SILENT_BASE if silent else ""
 
     def close(self) -> None:
         """The last word: the base shall stand."""
@@ -99,6 +99,10 @@ class GateLoop:
 
         if not self._jobs.put_newest(f"command of {message.source}", job):
             self._service.metrics.warn_limited("command_refused", "too many sources want to drive")
+
+    def _on_state(self, message: BaseState) -> None:
+        """Each counts, for a contact may be in one of them only."""
+        self._jobs.put(lambda: self._controller.state(message, time.time_ns(), time.monotonic()))
 
     def _on_description(self, description: RobotDescription) -> None:
         camera = description.camera

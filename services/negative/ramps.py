@@ -27,7 +27,7 @@ LEAST_ROWS = 3  # that show a ramp,
 LEAST_SHARE = 0.7  # and of those that would
 
 
-def tells_ramps(camera: Camera) -> bool:
+def resolves_ramps(camera: Camera) -> bool:
     """Whether the camera sees edges sharply: a smeared one looks like a ramp."""
     return camera.noise * camera.baseline * camera.intrinsics.fx <= SHARP
 

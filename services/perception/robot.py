@@ -3,6 +3,7 @@
 Where a workstation perceives for the same robot too, its fused scans are published while they come in time.
 """
 
+import threading
 import time
 from collections.abc import Mapping, Sequence
 from functools import partial
@@ -49,6 +50,7 @@ class RobotPerception:
         for name, source in fuse.config.inputs.items():
             fuse.receive(topics.scan(source.key), partial(self._fuser.take, name), ROOM)
         self._handover = Handover()
+        self._publishing = threading.Lock()  # what is decided first leaves first
         whole.receive(OFFERED, self._offered)
 
     def take(self, payloads: Sequence[bytes]) -> None:
@@ -68,16 +70,21 @@ class RobotPerception:
         self._negative.publish(negative)
         pair = Pair(positive, negative.combined)
         self._services["fuse"].metrics.count("received", len(pair))
-        if self._handover.answer(image.seq) and self._fuser.publish(pair):
-            self._services[NAME].metrics.output(image.stamp)
-        self._services[NAME].note = self._services["fuse"].note
+        with self._publishing:
+            if self._handover.answer(image.seq):
+                self._publish(pair, note="")
 
     def _offered(self, scan: LaserScan) -> None:
         """A fused scan of the workstation's came, on a thread of its own."""
-        if self._handover.offer(scan.seq, time.monotonic()):
-            self._fuser.forward(scan)
-            self._services[NAME].metrics.output(scan.stamp)
-            self._services[NAME].note = THEIRS
+        with self._publishing:
+            if self._handover.offer(scan.seq, time.monotonic()):
+                self._publish(Pair(scan, scan), THEIRS)
+
+    def _publish(self, pair: Pair, note: str) -> None:
+        """The frame's scan with the robot's extra inputs, whoever perceived the frame."""
+        if self._fuser.publish(pair):
+            self._services[NAME].metrics.output(pair.positive.stamp)
+        self._services[NAME].note = self._services["fuse"].note or note
 
     def overtaken(self) -> None:
         """A depth image made room for a newer one."""

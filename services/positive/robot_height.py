@@ -15,7 +15,7 @@ class RobotHeight:
     """
 
     def __init__(self, service: Service[PositiveConfig]) -> None:
-        self.config = service.config  # with the height that counts
+        self.config = self._configured = service.config  # the first with the height that counts
         self._given = "robot_height" in service.config.model_fields_set
         self._metrics = service.metrics
         self._described: float | None = None
@@ -35,4 +35,4 @@ class RobotHeight:
             why = f"the base describes a body {height:g} m high: {ours:g} m counts; set kobuki.robot_height"
             self._metrics.warn_limited("height_refused", why)
         else:
-            self.config = self.config.model_copy(update={"robot_height": height})
+            self.config = self._configured.on_body(height)

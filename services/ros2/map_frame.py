@@ -1,6 +1,5 @@
 """Where odom stands on the map: a SLAM's pose without the odometry of its moment (REP-105)."""
 
-import math
 import threading
 
 from cliffscan.common.contract.base_messages import Odometry
@@ -8,6 +7,8 @@ from cliffscan.common.contract.map_messages import Pose2D as PoseOnMap
 from cliffscan.safety.pose2d import Pose2D
 from cliffscan.safety.pose_history import PoseHistory
 from cliffscan.services.ros2.transforms import Transform, heading
+
+ORIGIN = Pose2D(0.0, 0.0, 0.0)
 
 
 class MapFrame:
@@ -30,11 +31,5 @@ class MapFrame:
             base = self._history.at(pose.stamp)
         if base is None:
             return None
-        x, y, theta = Pose2D(*pose.pose).then(inverse(base))
+        x, y, theta = Pose2D(*pose.pose).then(ORIGIN.seen_from(base))
         return Transform(pose.stamp, pose.frame, self._odom, (x, y, 0.0), heading(theta))
-
-
-def inverse(pose: Pose2D) -> Pose2D:
-    """The origin, seen from a pose."""
-    cos, sin = math.cos(pose.theta), math.sin(pose.theta)
-    return Pose2D(-cos * pose.x - sin * pose.y, sin * pose.x - cos * pose.y, -pose.theta)

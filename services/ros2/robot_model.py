@@ -48,7 +48,7 @@ class RobotModel:
                     self._static.put(messages.tf_message(placed))
             except CdrError as error:
                 self._service.metrics.warn_limited("malformed", f"{topics.DESCRIPTION.path}: {error}")
-            self._urdf.put(messages.string(urdf(self._service.bus.robot, config.base_frame, self._body, frames)))
+            self._urdf.put(messages.string(urdf(self._service.bus.robot, config.base_frame, self._body, placed)))
 
     def _frames_of_others(self) -> set[str]:
         """The camera's frames, where a driver in ROS places them."""

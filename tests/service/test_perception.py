@@ -203,12 +203,13 @@ def test_a_bad_setting_is_refused_with_one_line(options, reason):
 
 def test_a_workstations_scans_are_published_in_time_and_the_robots_own_without_them(client, start):
     workstation = client.another(f"{client.robot}/workstation")
-    perception(start, robots=[client.robot])
+    perception(start, *LIDAR, robots=[client.robot])
     theirs = perception(start, robots=[workstation.robot])
     client.wait_alive("perception")
     workstation.wait_alive("perception")
-    ear, status = client.listen("scan/fused"), client.listen("status/perception")
-    stamps = []
+    ear, status, safe = (client.listen(path) for path in ("scan/fused", "status/perception", "scan/safe"))
+    client.put("scan/lidar", scan([0.7, 2.0, np.inf], SECOND))
+    stamps, seen = [], []
 
     def drive(note):
         """Send frames, some twenty a second, until that is the status's note."""
@@ -217,7 +218,9 @@ def test_a_workstations_scans_are_published_in_time_and_the_robots_own_without_t
             client.put("camera/depth", frame(number))
             workstation.put("camera/depth", frame(number))
             answer = ear.get_within(0.05)
-            stamps.extend(each["stamp"] for each in [answer, *ear.all()] if each)
+            answers = [each for each in [answer, *ear.all()] if each]
+            stamps.extend(each["stamp"] for each in answers)
+            seen.extend(np.nanmin(np.frombuffer(each["ranges"], "<f4")) for each in answers)
 
     numbers = itertools.count(1)
     drive(THEIRS)
@@ -226,3 +229,5 @@ def test_a_workstations_scans_are_published_in_time_and_the_robots_own_without_t
     theirs.signal(signal.SIGCONT)
     drive(THEIRS)
     assert stamps == sorted(set(stamps))
+    assert max(seen) < 0.9  # what the robot's own lidar sees is in the scans of the workstation too
+    assert set(stamps) - {each["stamp"] for each in safe.all()} <= set(stamps[:1] + stamps[-1:])

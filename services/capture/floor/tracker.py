@@ -79,7 +79,7 @@ def tracker_of(nominal: FloorPlane, last: FloorTracker | None) -> FloorTracker:
 
 
 def _possible(floor: FloorPlane) -> FloorPlane:
-    """The same plane. Raises Unseen where common.geometry refuses a camera over it."""
+    """The same plane. Raises Unseen where common.contract.camera.check_camera refuses a camera over it."""
     if abs(floor.nz) > STEEPEST_AXIS or floor.d > HIGHEST_CAMERA:
         raise Unseen("the camera looks straight down or is too high")
     return floor

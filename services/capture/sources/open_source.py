@@ -27,13 +27,14 @@ def open_source(config: CaptureConfig, service: Service[CaptureConfig] | None = 
 @contextmanager
 def installed(source: str) -> Iterator[None]:
     """Raises ConfigError, with what to install, where a library of a source is missing."""
+    kind = KINDS[source]
     try:
         yield
     except ModuleNotFoundError as error:
         raise ConfigError(
-            f"capture.source {source} needs {error.name}: pip install 'cliffscan[{KINDS[source].extra}]'"
+            f"capture.source {source} needs {error.name}: pip install 'cliffscan[{kind.extra}]'"
         ) from error
     except ImportError as error:
-        raise ConfigError(
-            f"capture.source {source} cannot load its library ({error}): apt install {KINDS[source].debian}"
-        ) from error
+        again = f"pip install --force-reinstall 'cliffscan[{kind.extra}]'"
+        remedy = f"apt install {kind.debian}" if kind.debian else again
+        raise ConfigError(f"capture.source {source} cannot load its library ({error}): {remedy}") from error

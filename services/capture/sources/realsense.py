@@ -22,9 +22,7 @@ from cliffscan.services.capture.sources.depth_source import DepthFrame, SourceLo
 from cliffscan.services.capture.sources.device_thread import TURN, DeviceThread
 from cliffscan.services.capture.sources.modes import best_mode
 
-DISPARITY_NOISE = (
-    0.1  # [px] standard deviation of a D400's disparity on what it sees indoors, steps of 1/32 px included
-)
+DISPARITY_NOISE = 0.1  # [px] standard deviation of a D400's disparity indoors, its steps of 1/32 px included
 WIDEST_DISPARITY = 126  # [px] in which a D400 looks for a match, so what is nearer returns nothing
 TRUSTED = 0.2  # [m] standard deviation of a depth up to which it is trusted
 LARGEST = np.iinfo(np.uint16).max  # [mm]

@@ -27,7 +27,7 @@ from cliffscan.services.negative.beam_lines import (
 )
 from cliffscan.services.negative.floor_following import End, FloorCriteria, floor_trace, single
 from cliffscan.services.negative.line_edges import locate_edges, reject_unreliable
-from cliffscan.services.negative.ramps import ramps_ahead, tells_ramps
+from cliffscan.services.negative.ramps import ramps_ahead, resolves_ramps
 from cliffscan.services.negative.registry import negative_method
 from cliffscan.services.negative.shadow import Pixels, shadowed
 
@@ -85,7 +85,7 @@ def near_edge(points: FloorPoints, grid: Grid, criteria: FloorCriteria[float], f
     lost = np.flatnonzero(end == End.NO_RETURN)
     if len(lost):
         end[lost[in_shadow(points, lines, lost, row[lost], order)]] = End.OCCLUDED
-    if tells_ramps(region.camera):  # without a look whether there are any, so that a blank frame compiles it
+    if resolves_ramps(region.camera):  # without a look whether there are any, so that a blank frame compiles it
         ended = np.flatnonzero((end == End.DROP) | (end == End.NO_RETURN))
         limits = region.camera.range[1], criteria.noise, criteria.slope, criteria.grazing
         ramps = ramps_ahead(heights, order, lines, ended, row[ended], height, *limits)

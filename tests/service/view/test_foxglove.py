@@ -38,12 +38,12 @@ def test_topics_of_ros_travel_as_their_schemas_say(network):
 
 def read_all(client, viewer):
     assert viewer.info["metadata"] == {"robot": client.robot}
-    viewer.subscribe(7, "/scan")
+    viewer.subscribe(7, "/scan_marks")
     ranges = [1.5, np.inf, np.nan]
     stamp, message = until(viewer, 7, publishing(client, "scan/fused", scan(ranges, STAMP)))
     assert stamp == STAMP
     assert (message.header.stamp.sec, message.header.stamp.nanosec) == divmod(STAMP, 10**9)
-    assert np.array_equal(message.ranges, np.array(ranges, np.float32), equal_nan=True)
+    assert np.array_equal(message.ranges, np.array([1.5, np.nan, np.nan], np.float32), equal_nan=True)
     viewer.subscribe(8, "/odom")
     viewer.subscribe(9, "/tf")
     odometry = publishing(client, "base/odom", odometry_fields(stamp=STAMP, pose=[1.0, 2.0, 0.0]))

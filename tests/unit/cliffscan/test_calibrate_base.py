@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 
 from cliffscan.calibrate import NotMeasured
 from cliffscan.calibrate_base import Brakes, Stop, brakes_of, fastest_on, lines
+from cliffscan.cli import build_parser
 
 SPEEDS = (0.25, -0.25, 0.375, -0.375, 0.5, -0.5)
 
@@ -54,3 +55,8 @@ def test_the_lines_are_rounded_to_the_safe_side():
         "angular_deceleration = 171  # [deg/s²]",
         "reaction = 0.22  # [s] straight 0.21, turning 0.10",
     ]
+
+
+@pytest.mark.parametrize(("words", "role"), [([], ""), (["--role", "driver"], "driver")])
+def test_the_keys_follow_from_what_is_measured_unless_named(words, role):
+    assert build_parser().parse_args(["calibrate", *words]).role == role

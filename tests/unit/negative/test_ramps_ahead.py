@@ -13,7 +13,7 @@ from cliffscan.services.negative.beam_lines import beam_lines, heights_along, ro
 from cliffscan.services.negative.config import NegativeConfig
 from cliffscan.services.negative.floor_following import End, floor_trace, single
 from cliffscan.services.negative.methods import near_edge as of_near_edge
-from cliffscan.services.negative.ramps import ramps_ahead, tells_ramps
+from cliffscan.services.negative.ramps import ramps_ahead, resolves_ramps
 from cliffscan.services.negative.scans import beams_by_method, negative_scans
 from cliffscan.simulator.kinect import kinect_camera
 from cliffscan.simulator.sensors import sensor_camera
@@ -48,7 +48,7 @@ def test_a_kerb_as_far_ahead_is_a_drop(edge, fall, seed):
     assert np.isfinite(beams.ranges).mean() > 0.99
 
 
-def test_a_blank_frame_compiles_what_tells_ramps(monkeypatch):
+def test_a_blank_frame_compiles_what_resolves_ramps(monkeypatch):
     called = []
     monkeypatch.setattr(of_near_edge, "ramps_ahead", lambda *given: (called.append(given), ramps_ahead(*given))[1])
     negative_scans(WARMUP_IMAGE, CONFIG)
@@ -57,12 +57,12 @@ def test_a_blank_frame_compiles_what_tells_ramps(monkeypatch):
 
 @pytest.mark.parametrize("name", ["d435", "d415"])
 def test_what_smears_edges_tells_no_ramps(name):
-    assert not tells_ramps(sensor_camera(name))
+    assert not resolves_ramps(sensor_camera(name))
 
 
 @pytest.mark.parametrize("name", ["kinect", "kinect_v2", "azure_kinect"])
-def test_what_sees_edges_sharply_tells_ramps(name):
-    assert tells_ramps(sensor_camera(name))
+def test_what_sees_edges_sharply_resolves_ramps(name):
+    assert resolves_ramps(sensor_camera(name))
 
 
 @pytest.mark.parametrize("noise", [0.5, 1.0, 3.0])

@@ -3,8 +3,8 @@
 import pytest
 from rosbags.typesys import Stores, get_typestore
 
+from cliffscan.recording.definitions import SEPARATOR, schema
 from cliffscan.view.foxglove_channels import channels
-from cliffscan.view.ros_schemas import SEPARATOR, schema
 
 NAMES = sorted({channel.schema for channel in channels()})
 
