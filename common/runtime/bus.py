@@ -3,7 +3,7 @@
 import logging
 import threading
 import time
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Iterator
 from copy import copy
 from typing import Any, Generic, Self, TypeVar
 
@@ -30,6 +30,7 @@ RATE = 200.0  # [Hz] at which the requests at a path are answered
 AGAIN = 0.05  # [s] after which a question that found nothing is put again
 EVERY = "**"  # robot, where a name may have several parts
 LATCH_TIMEOUT = 1.0  # [s] for what is kept to come
+LATCH_TRIES = 10  # for it where who keeps it is too busy to answer
 
 
 class Publisher(Generic[M]):
@@ -249,17 +250,27 @@ class Bus:
         key = f"{self.robot}/{path}"
 
         def ask() -> None:
-            ring: zenoh.handlers.RingChannel[zenoh.Reply] = zenoh.handlers.RingChannel(REQUESTS)
-            every = zenoh.ConsolidationMode.NONE
-            for reply in self._session.get(key, ring, consolidation=every, timeout=LATCH_TIMEOUT):
-                try:
-                    if reply.ok:
-                        receive(path, _bytes(reply.ok.payload, most_bytes(path)))
-                except MessageError as error:
-                    self._refused(path, error)
+            for _ in range(LATCH_TRIES):
+                began = time.monotonic()
+                replies = list(self._replies(key))
+                for payload in replies:
+                    try:
+                        receive(path, _bytes(payload, most_bytes(path)))
+                    except MessageError as error:
+                        self._refused(path, error)
+                if replies or time.monotonic() - began < LATCH_TIMEOUT:  # else somebody keeps it, and was too busy
+                    return
 
         self.watch_alive(lambda _service, here: ask() if here else None)
         self._readers.once(key, ask)
+
+    def _replies(self, key: str) -> Iterator[zenoh.ZBytes]:
+        """What is kept at a key."""
+        ring: zenoh.handlers.RingChannel[zenoh.Reply] = zenoh.handlers.RingChannel(REQUESTS)
+        every = zenoh.ConsolidationMode.NONE
+        for reply in self._session.get(key, ring, consolidation=every, timeout=LATCH_TIMEOUT):
+            if reply.ok:
+                yield reply.ok.payload
 
     def announce(self, service: str) -> None:
         """Announce that `service` works, until withdraw() or the session's end."""

@@ -179,6 +179,21 @@ def test_what_is_kept_comes_to_those_who_come_later(client, bus):
     assert set(arrived) == {0.5}
 
 
+def test_who_is_too_busy_to_answer_is_asked_again_for_what_is_kept(client, bus):
+    asked, arrived = [], []
+
+    def answer(query):
+        asked.append(query)  # to hold it leaves it unanswered
+        if len(asked) == 3:
+            query.reply(query.key_expr, b"here")
+            query.drop()
+
+    client.session.declare_queryable(f"{client.robot}/description", answer)
+    bus.receive_latched("description", lambda _, payload: arrived.append(payload))
+    wait_for(lambda: arrived)
+    assert arrived == [b"here"]
+
+
 def test_with_no_endpoint_nothing_beyond_this_machine_can_connect(client, start, run):
     process = start("fuse", wait=False, where=[])
     process.wait_said("ready")
