@@ -167,7 +167,7 @@ def drop_shadow(inverse: Image, baseline_px: float, kept: Image) -> None:
                     leftmost = column
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def quantise(
     inverse: Image,
     tickets: NDArray[np.uint16],
@@ -180,13 +180,19 @@ def quantise(
 ) -> None:
     """Write the depth [mm] of each pixel of inverse depth [1/m]; 0 where there is none, or outside near to far [m].
 
-    tickets: which of the table's normal deviates each pixel gets; sigma, step: as in KinectModel.
+    tickets: which of the table's normal deviates each pixel gets; sigma, step: as in KinectModel. Its loops are without
+    branches, for the processor's vectors.
     """
     rows, cols = inverse.shape
+    noisy = np.empty(cols)
     for v in range(rows):
+        exact, places, row = inverse[v], tickets[v], millimetres[v]
         for u in range(cols):
-            w = inverse[v, u] + sigma * normal[tickets[v, u]]
-            if step > 0.0:
-                w = step * math.floor(w / step + 0.5)
-            seen = inverse[v, u] > 0.0 and far * w >= 1.0 >= near * w
-            millimetres[v, u] = np.uint16(1000.0 / w + 0.5) if seen else 0
+            noisy[u] = exact[u] + sigma * normal[places[u]]
+        if step > 0.0:
+            for u in range(cols):
+                noisy[u] = step * math.floor(noisy[u] / step + 0.5)
+        for u in range(cols):
+            w = noisy[u]
+            seen = (exact[u] > 0.0) & (far * w >= 1.0) & (near * w <= 1.0)
+            row[u] = np.uint16(np.int32(1000.0 / w + 0.5 if seen else 0.0))
