@@ -103,7 +103,6 @@ def test_a_depth_folder_is_drawn_and_counted_and_what_is_bad_left_out(tmp_path, 
         (["--data", "nowhere-at-all"], "demo: nowhere-at-all/camera.json: No such file or directory"),
         (["--world", "nowhere"], "demo: no world is named 'nowhere'"),
         (["--set", "scan.floor_band=no"], "demo: scan.floor_band: "),
-        (["--frames", "0"], "expected a whole number above 0"),
     ],
 )
 def test_what_cannot_be_done_is_one_line_and_exit_2(tmp_path, words, said):

@@ -30,10 +30,3 @@ def test_a_drive_is_mapped_from_three_scans_and_scored(tmp_path):
         assert (tmp_path / f"map_{name}" / "map.yaml").is_file()
     with Image.open(tmp_path / "maps.png") as picture:
         assert min(picture.size) > 400
-
-
-def test_a_route_is_pairs_of_numbers(tmp_path):
-    for route in ("", "1", "1,2,3", "a,b"):
-        done = experiments("--map", "--route", route, "--out", tmp_path)
-        assert done.returncode == 2
-        assert "argument --route" in done.stderr
