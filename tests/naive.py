@@ -132,7 +132,8 @@ def near_edge(
     ends, rows, levels, sure, sure_levels = (list(values) for values in zip(*traced, strict=True))
     tall, outlying = float(height), []
     for line in range(many):
-        if rows[line] >= 0 and levels[line] > np.float32(criteria.step):
+        climbed = rows[line] >= 0 and levels[line] > np.float32(criteria.step)
+        if climbed and ends[line] != End.OCCLUDED:
             foot = naive_trace.foot_of_face(heights, order, view, tall, criteria, line, int(rows[line]))
             if foot:
                 ends[line], (rows[line], levels[line]) = End.OCCLUDED, foot

@@ -41,11 +41,11 @@ def end_at_faces(
 
     heights, order, lines: as heights_along has them; first: the row in which each line's floor comes into view; end,
     row, level, sure, sure_level: as floor_trace has them; (lines,) each; noise, slope, step: as in FloorCriteria.
-    A face is higher than a step, so only a line whose last floor lies so high is looked at.
+    A face is higher than a step, so only a line whose last floor lies so high, and that nothing hides, is looked at.
     """
     outward = 1.0 if order[-1] > order[0] else -1.0
     for u in range(len(end)):
-        if not (row[u] >= 0.0 and level[u] > step):
+        if end[u] == OCCLUDED or not (row[u] >= 0.0 and level[u] > step):
             continue
         lowest, foot, foot_height = np.inf, -1.0, 0.0
         above_before, rises = np.inf, False
