@@ -35,7 +35,6 @@ def found(image: DepthImage):
 def test_a_low_box_is_neither_floor_nor_does_a_drop_end_it(near, height, seed):
     beams = found(seen_by_kinect(box(near, height), CAMERA, seed))
     assert np.isnan(beams.ranges).mean() > 0.99
-    assert (beams.clear * AHEAD < near + 0.25).mean() > 0.99
 
 
 @pytest.mark.parametrize("seed", SEEDS)
