@@ -15,7 +15,7 @@ from cliffscan.common.perception.floor_points import FloorPoints
 from cliffscan.common.perception.image_region import ImageRegion
 from cliffscan.services.negative.beam_lines import APART, BeamLines, beam_lines, heights_along, lines_per_beam
 from cliffscan.services.negative.floor_following import End, FloorCriteria
-from cliffscan.services.negative.line_edges import AGREE, NARROWEST, SIDE
+from cliffscan.services.negative.line_edges import AGREE, NARROWEST, NARROWEST_FAR, SIDE
 from cliffscan.services.negative.ramps import resolves_ramps
 from tests import naive_trace
 
@@ -130,7 +130,22 @@ def near_edge(
     view = naive_trace.View(lines, in_view)
     traced = [naive_trace.floor_trace(heights, order, view, height, criteria, line) for line in range(many)]
     ends, rows, levels, sure, sure_levels = (list(values) for values in zip(*traced, strict=True))
-    beyond = 2 if order[-1] > order[0] else -2
+    tall, outlying = float(height), []
+    for line in range(many):
+        climbed = rows[line] >= 0 and levels[line] > np.float32(criteria.step)
+        if climbed and ends[line] != End.OCCLUDED:
+            foot = naive_trace.foot_of_face(heights, order, view, tall, criteria, line, int(rows[line]))
+            if foot:
+                ends[line], (rows[line], levels[line]) = End.OCCLUDED, foot
+                if (sure[line] - foot[0]) * naive_trace.outward(order) > 0:
+                    sure[line], sure_levels[line] = foot
+        outlying.append(naive_trace.far_off(view, tall, line, int(rows[line]), levels[line]))
+        if ends[line] == End.NO_RETURN:
+            at_its_end = line, int(rows[line]), levels[line]
+            shows, hidden, goes_on = naive_trace.beyond_lost(heights, order, view, tall, criteria, *at_its_end)
+            outlying[-1] = outlying[-1] and shows
+            ends[line] = End.OCCLUDED if hidden else End.UNVERIFIED if goes_on else End.NO_RETURN
+    beyond = 2 * naive_trace.outward(order)
     for line in range(many):
         if ends[line] == End.NO_RETURN:
             pixels = [pixel(region, lines, line, row) for row in (rows[line], rows[line] + beyond)]
@@ -146,7 +161,7 @@ def near_edge(
         ranges[line] if sure[line] == rows[line] else place(region, lines, line, sure[line], float(sure_levels[line]))
         for line in range(many)
     ]
-    doubt(ends, ranges, in_view.first, grid.increment / each, floor_lost)
+    doubt(ends, ranges, in_view.first, outlying, grid.increment / each, floor_lost)
     beams = [worst(range(beam * each, (beam + 1) * each), ends, ranges, clear) for beam in range(grid.beams)]
     told, evidence, free = zip(*beams, strict=True)
     return np.array(told), np.array(evidence), np.array(free)
@@ -202,7 +217,9 @@ def place(region: ImageRegion, lines: BeamLines, line: int, row: float, level: f
     return math.hypot(forward, left) * (level - region.camera.floor.d) / up
 
 
-def doubt(ends: list[End], ranges: list[float], first: np.ndarray, spacing: float, floor_lost: str) -> None:
+def doubt(
+    ends: list[End], ranges: list[float], first: np.ndarray, outlying: list[bool], spacing: float, floor_lost: str
+) -> None:
     """Take back what too few lines side by side saw, unless at the border, and lost floor that is not to count."""
     start, count = 0, len(ends)
     while start < count:
@@ -214,8 +231,10 @@ def doubt(ends: list[End], ranges: list[float], first: np.ndarray, spacing: floa
         amid = start > 0 and stop < count and first[start - 1] >= 0 and first[stop] >= 0
         beside_drop = any(ends[u] == End.DROP for u in group)
         counts = floor_lost == "counts" or (floor_lost == "beside_drop" and beside_drop)
+        shine = not beside_drop and all(outlying[u] for u in group)
+        least = NARROWEST_FAR if shine else NARROWEST
         for u in group:
-            if (amid and across < NARROWEST) or (ends[u] == End.NO_RETURN and not counts):
+            if (amid and across < least) or (ends[u] == End.NO_RETURN and not counts):
                 ends[u] = End.UNVERIFIED
         start = stop + 1
 

@@ -1,15 +1,18 @@
-"""The kernels of services/negative/floor_following.py, ramps.py and shadow.py, slowly and plainly, row by row.
+"""The kernels of services/negative's floor_following, faces, lost_floor, ramps and shadow, slowly and plainly.
 
 Arithmetic is in single precision and in the kernels' order, so that both decide alike.
 """
 
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
 
 from cliffscan.common.contract.camera import Camera, scan_axes
 from cliffscan.common.perception.floor_points import METRES
+from cliffscan.services.negative import faces as of_faces
 from cliffscan.services.negative import floor_following as of_trace
+from cliffscan.services.negative import lost_floor as of_lost
 from cliffscan.services.negative import ramps as of_ramps
 from cliffscan.services.negative import shadow as of_shadow
 from cliffscan.services.negative.beam_lines import BeamLines, InView
@@ -230,6 +233,96 @@ class Trace:
         if last == NEVER and self.end is End.DROP:
             last = int(self.sensor.first)
         return self.end, last, level, sure, sure_level
+
+
+def seen(
+    heights: np.ndarray, order: np.ndarray, view: View, camera_height: float, line: int
+) -> list[tuple[int, float, float, float, float]]:
+    """Of each row that has a return on a line: the row, its height, its range, its ray's fall and how far it leads."""
+    returns = []
+    for index, row in enumerate(order):
+        if not np.isnan(heights[index, line]):
+            height = float(heights[index, line])
+            fall = float(view.lines.fall[line]) + float(row) * float(view.lines.fall_step[line])
+            ahead = float(view.lines.ahead[line]) + float(row) * float(view.lines.ahead_step[line])
+            with np.errstate(divide="ignore", invalid="ignore"):
+                reach = float(np.float64(ahead) * (camera_height - height) / fall)
+            returns.append((int(row), height, reach, fall, ahead))
+    return returns
+
+
+def outward(order: np.ndarray) -> int:
+    """The way that rows go away from the robot."""
+    return 1 if order[-1] > order[0] else -1
+
+
+def foot_of_face(
+    heights: np.ndarray,
+    order: np.ndarray,
+    view: View,
+    camera_height: float,
+    criteria: FloorCriteria,
+    line: int,
+    row: int,
+) -> tuple[int, float] | None:
+    """Row and height of the foot of a face that a line was followed up, to its last floor in `row`."""
+    way, over, found = outward(order), [], []
+    first = view.in_view.first[line]
+    for at, height, reach, fall, ahead in seen(heights, order, view, camera_height, line):
+        if (at - first) * way < 0 or (at - row) * way > 0:
+            continue
+        over.append((height - criteria.slope * reach, at, height))
+        depth = reach / ahead
+        error = of_faces.SIGMAS * criteria.noise * depth**2 * (fall + criteria.slope * ahead)
+        lows = [(max(one[0], other[0]), *other[1:]) for one, other in pairwise(over[:-1])]
+        lowest = min(lows, key=lambda low: low[0], default=None)
+        found.append(lowest is not None and over[-1][0] - lowest[0] > criteria.step + error)
+        if found[-2:] == [True, True]:
+            return lowest[1:]
+    return None
+
+
+def reach_in(view: View, line: int, row: float, below: float) -> float:
+    """Range of what a line's ray meets in a row, so far below the camera."""
+    lines = view.lines
+    ahead = float(lines.ahead[line]) + float(row) * float(lines.ahead_step[line])
+    return ahead * below / (float(lines.fall[line]) + float(row) * float(lines.fall_step[line]))
+
+
+def far_off(view: View, camera_height: float, line: int, row: int, level: float) -> bool:
+    """Whether a robot on its way to a line's last floor sees it again."""
+    due, ground = view.in_view.due[line], camera_height - float(level)
+    if row < 0 or due < 0:
+        return False
+    near = reach_in(view, line, due, ground)
+    return reach_in(view, line, row, ground) >= max(of_lost.FAR_OFF, near + of_lost.WAY)
+
+
+def beyond_lost(
+    heights: np.ndarray,
+    order: np.ndarray,
+    view: View,
+    camera_height: float,
+    criteria: FloorCriteria,
+    line: int,
+    row: int,
+    level: float,
+) -> tuple[bool, bool, bool]:
+    """Whether a line shows anything beyond its lost floor, nothing but what is nearer, nothing but floor, soon."""
+    ground = camera_height - float(level)
+    last = reach_in(view, line, row, ground)
+    returns = seen(heights, order, view, camera_height, line)
+    beyond = [each for each in returns if (each[0] - row) * outward(order) > 0][: of_lost.RETURNS]
+    if len(beyond) < of_lost.RETURNS:
+        return False, False, False
+    hidden = alike = True
+    for _, height, reach, fall, _ in beyond:
+        error = criteria.step + of_lost.SIGMAS * criteria.noise * camera_height * ground / fall
+        hidden = hidden and height - float(level) > error and reach < last
+        alike = alike and abs(height - float(level)) <= error
+    length = reach_in(view, line, beyond[0][0], ground) - last
+    short = criteria.gap < length <= of_lost.PATCH
+    return True, hidden, alike and short and far_off(view, camera_height, line, row, level)
 
 
 def ramp_ahead(

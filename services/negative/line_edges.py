@@ -2,6 +2,7 @@
 
 import numpy as np
 from numba import njit
+from numpy.typing import NDArray
 
 from cliffscan.common.contract.camera import Floats
 from cliffscan.common.perception.floor_points import Metres
@@ -11,7 +12,8 @@ from cliffscan.services.negative.floor_following import End
 DROP, NO_RETURN, UNVERIFIED = np.float32(End.DROP), np.float32(End.NO_RETURN), np.float32(End.UNVERIFIED)
 SIDE = 4  # lines to either side whose floor levels a line's is averaged with,
 AGREE = 0.01  # [m] if they agree so well: noise in the level is noise in the edge
-NARROWEST = 0.03  # [m] what fewer lines side by side saw is noise
+NARROWEST = 0.03  # [m] what fewer lines side by side saw is noise,
+NARROWEST_FAR = 0.15  # [m] or floor that is lost far off, where shine takes patches of it
 
 
 @njit(cache=True, error_model="numpy")
@@ -49,21 +51,28 @@ def _range(lines: BeamLines, u: int, row: float, level: float, camera_height: fl
 
 @njit(cache=True)
 def reject_unreliable(
-    end: Metres, ranges: Floats, in_view: Metres, spacing: float, alone: bool, lost_counts: bool
+    end: Metres,
+    ranges: Floats,
+    in_view: Metres,
+    far_off: NDArray[np.bool_],
+    spacing: float,
+    alone: bool,
+    lost_counts: bool,
 ) -> None:
     """Make UNVERIFIED, in place, what too few lines side by side saw, and floor lost that is not to count.
 
-    ranges [m] of the lines, in_view: a row or -1, for lines outside the image: (lines,) each; spacing [rad] between
-    lines; lost_counts: whether floor lost counts, and alone: whether it does without a drop that is seen beside it.
+    ranges [m] of the lines, in_view: a row or -1, for lines outside the image, far_off: as lost_floor has it, where
+    something is seen beyond: (lines,) each; spacing [rad] between lines; lost_counts: whether floor lost counts, and
+    alone: whether it does without a drop that is seen beside it.
     """
     first, many = 0, len(end)
     while first < many:
-        stop, across, drop = first, 0.0, False
+        stop, across, drop, far = first, 0.0, False, True
         while stop < many and (end[stop] == DROP or end[stop] == NO_RETURN):
-            across, drop = across + spacing * ranges[stop], drop or end[stop] == DROP
+            across, drop, far = across + spacing * ranges[stop], drop or end[stop] == DROP, far and far_off[stop]
             stop += 1
         within = first > 0 and stop < many and in_view[first - 1] >= 0 and in_view[stop] >= 0
-        narrow = within and across < NARROWEST
+        narrow = within and across < (NARROWEST_FAR if far and not drop else NARROWEST)
         ignored = not lost_counts or not (alone or drop)
         for u in range(first, stop):
             if narrow or (ignored and end[u] == NO_RETURN):

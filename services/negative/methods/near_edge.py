@@ -25,8 +25,10 @@ from cliffscan.services.negative.beam_lines import (
     lines_per_beam,
     rows_outward,
 )
+from cliffscan.services.negative.faces import end_at_faces
 from cliffscan.services.negative.floor_following import End, FloorCriteria, floor_trace, single
 from cliffscan.services.negative.line_edges import locate_edges, reject_unreliable
+from cliffscan.services.negative.lost_floor import beyond_lost_floor, far_off
 from cliffscan.services.negative.ramps import ramps_ahead, resolves_ramps
 from cliffscan.services.negative.registry import negative_method
 from cliffscan.services.negative.shadow import Pixels, shadowed
@@ -81,8 +83,17 @@ def near_edge(points: FloorPoints, grid: Grid, criteria: FloorCriteria[float], f
         return Beams(ranges=np.full(grid.beams, np.nan, np.float32), intensities=nothing, clear=nothing)
     heights, in_view = heights_along(points, lines, order)
     traced = floor_trace(heights, order, lines, in_view, np.float32(height), single(criteria))
-    end, row, *_ = traced
+    end, row, level, *_ = traced
+    facts = height, criteria.noise
+    end_at_faces(heights, order, lines, in_view.first, *traced, *facts, criteria.slope, criteria.step)
     lost = np.flatnonzero(end == End.NO_RETURN)
+    far = far_off(lines, row, level, in_view.due, height)
+    seen_last = row[lost], level[lost], far[lost]
+    seen_beyond = beyond_lost_floor(heights, order, lines, lost, *seen_last, *facts, criteria.step, criteria.gap)
+    shows, hidden, goes_on = seen_beyond
+    end[lost[goes_on]], end[lost[hidden]] = End.UNVERIFIED, End.OCCLUDED
+    far[lost[~shows]] = False
+    lost = lost[end[lost] == End.NO_RETURN]
     if len(lost):
         end[lost[in_shadow(points, lines, lost, row[lost], order)]] = End.OCCLUDED
     if resolves_ramps(region.camera):  # without a look whether there are any, so that a blank frame compiles it
@@ -91,9 +102,8 @@ def near_edge(points: FloorPoints, grid: Grid, criteria: FloorCriteria[float], f
         ramps = ramps_ahead(heights, order, lines, ended, row[ended], height, *limits)
         end[ended[ramps]] = End.UNVERIFIED  # its rows lie too far apart to call it free
     ranges, clear = locate_edges(*traced, lines, height)
-    reject_unreliable(
-        end, ranges, in_view.first, grid.increment / each, floor_lost == "counts", floor_lost != "ignored"
-    )
+    spacing = grid.increment / each
+    reject_unreliable(end, ranges, in_view.first, far, spacing, floor_lost == "counts", floor_lost != "ignored")
     ranges = np.maximum(ranges, points.range_min)  # as near as a scan reports
     return beams_of_lines(end.astype(np.int8), ranges, clear, each)
 

@@ -178,7 +178,8 @@ def test_a_kerb_whose_face_is_smeared_into_a_slope_is_a_drop(fall, smear, noise)
     start, slope = 2.0, -fall / smear
     with np.errstate(divide="ignore"):
         flat, face, road = -0.52 / up, (slope * -start - 0.52) / (up - slope * forward), (-fall - 0.52) / up
-    depth = np.where(flat * forward < start, flat, np.where(face * forward < start + smear, face, road))
+    on_face = (face * forward >= start) & (face * forward < start + smear)
+    depth = np.where(flat * forward < start, flat, np.where(on_face, face, road))
     depth = np.where((up < 0) & (depth > 0) & (depth < 20.0), depth * 1000, 0).astype(np.uint16)
     image = seen_by_kinect(depth, camera, seed=3, noise=0.8 * noise, step=0.0)
     beams = beams_by_method(image, NegativeConfig(), ["near_edge"])["near_edge"]
