@@ -30,7 +30,7 @@ from evaluation.processes.started import Started, cpu
 from evaluation.tables import Table
 
 RATE, BASE_RATE = 30.0, 50.0  # [Hz]
-DRAWN = 8  # different frames, each of which comes again and again
+DRAWN = 32  # different frames, each of which comes again and again, but none twice in what is compressed at once
 WARM_UP = 3.0  # [s] left out, once the recorder has begun
 MIB = 2**20
 VARIANTS: dict[str, Sequence[str]] = {

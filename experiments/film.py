@@ -1,60 +1,83 @@
-"""A film of the mapping drive, as an animated GIF: python -m experiments.film FILE. For the README; run by hand.
+"""A film of the page on a drive past stairs, as an animated GIF: python -m experiments.film FILE. For the README.
 
-Each picture shows what the camera sees, what the fused scan tells, and the maps of the three scans as they grow.
+What is filmed is `cliffscan view` in a Chromium, on the demo's drive. Run by hand, on a machine with little else to do
+and with the system package `chromium`.
 """
 
 import argparse
+import base64
 import io
 import tempfile
-from collections.abc import Sequence
+import time
 from pathlib import Path
 
 from PIL import Image
 from rich.console import Console
 
-from cliffscan.common.contract.map_messages import OccupancyGrid
+from cliffscan.common.contract.base_messages import Odometry
+from cliffscan.common.contract.topics import ODOMETRY, VELOCITY
+from cliffscan.common.runtime.config import SENSING
 from cliffscan.common.runtime.service import StopSignal
-from cliffscan.simulator.truth import Outline
-from evaluation.pictures.cloud import cloud, kinds
-from evaluation.pictures.maps import map_panel
-from evaluation.pictures.panels import Scene, kind_panel, scan_panel
-from evaluation.pictures.plan import Extent, seen_from
-from evaluation.pictures.sheet import sheet
-from experiments.frames import Frame
-from experiments.mapping import NAMES, ROUND, Drive, drive_round
-from experiments.run import Run, telling
+from cliffscan.system import Plan, System
+from evaluation.processes.network import free_endpoint
+from experiments.map_system import RATE
+from experiments.mapping import ROUND, WORLD
+from experiments.run import Run
+from experiments.watched import Rounds, page
+from tests.chromium import Chromium
 
-SIZE = (864, 560)  # [px]
-COLOURS = 64
-EVERY = 2  # frames
-PACE, LAST = 200, 3000  # [ms] that a picture is shown, and the last one
-EXTENT = Extent(3.9, 2.75)  # [m] of the scan's picture
-
-
-def picture(run: Run, drive: Drive, frame: Frame) -> Image.Image:
-    """All that there is to see at the moment of a frame."""
-    stamp = frame.image.stamp
-    way = [truth.pose for at, truth in drive.truth.items() if at <= stamp]
-    viewpoint = drive.truth[stamp].viewpoint
-    outlines = [Outline(seen_from(viewpoint, each.polygon), each.kind) for each in drive.ground.outlines]
-    scene = Scene(EXTENT, frame.scans["fused"], outlines)
-    panels = [
-        kind_panel(kinds(cloud(frame.image), run.bands()), "What the Kinect sees"),
-        scan_panel(scene, frame.scans["fused"], "The fused scan, over the true outline"),
-        *(
-            map_panel(newest(grids, stamp), drive.ground, drive.in_view, way, f"Map: {NAMES[name]}")
-            for name, grids in reversed(drive.survey.maps.items())
-        ),
-    ]
-    seconds = drive.truth[stamp].time - next(iter(drive.truth.values())).time
-    written = io.BytesIO()
-    sheet(f"A drive past descending stairs, {seconds:.0f} s", panels, 3).savefig(written)
-    return Image.open(written).convert("RGB").resize(SIZE, Image.Resampling.LANCZOS)
+ROBOT, WANTED = "turtlebot", {*SENSING, "kobuki"}
+SIZE = (1000, 690)  # [px] of the page, which README shows as it is
+EVERY = 0.7  # [s] between two pictures
+COLOURS = 48
+PACE, LAST = 300, 2500  # [ms] that a picture is shown, and the last one
+LONGEST = 240.0  # [s] after which the drive counts as failed
 
 
-def newest(maps: Sequence[OccupancyGrid], stamp: int) -> OccupancyGrid:
-    """The last map that was published before a time [ns], or the first one."""
-    return max((grid for grid in maps if grid.stamp <= stamp), key=lambda grid: grid.stamp, default=maps[0])
+def filmed(run: Run, browser: Chromium) -> list[Image.Image]:
+    """The page, from the moment at which all works to the end of one round."""
+    port = int(free_endpoint().rpartition(":")[2])
+    plan = Plan(ROBOT, [free_endpoint()], overrides=[f"capture.rate={RATE}"], world=WORLD)
+    pictures: list[Image.Image] = []
+    with System(plan, run.stop) as system:
+        system.supervisor.start("view", page(system.plan, port))
+        rounds = Rounds(ROUND, system.bus.publisher(VELOCITY))
+
+        def moved(_path: str, payload: bytes) -> None:
+            if pictures:
+                rounds.moved(Odometry.decode(payload))
+
+        system.bus.subscribe(ODOMETRY.path, moved)
+        deadline, due = time.monotonic() + LONGEST, 0.0
+        while not rounds.done:
+            if time.monotonic() > deadline:
+                raise SystemExit(f"no round within {LONGEST:g} s: see {run.log_file}")
+            system.poll()
+            if not system.alive.issuperset(WANTED):
+                run.stop.wait(EVERY)
+                continue
+            if not due:
+                browser.call("Page.navigate", url=f"http://127.0.0.1:{port}/")
+                browser.until("/pictures\\/s/.test(document.getElementById('pace').textContent)", system.poll)
+            run.stop.wait(max(0.0, due - time.monotonic()))
+            due = time.monotonic() + EVERY
+            pictures.append(picture(browser))
+    return pictures
+
+
+def picture(browser: Chromium) -> Image.Image:
+    """What the page shows."""
+    data = browser.call("Page.captureScreenshot", format="png")["data"]
+    return Image.open(io.BytesIO(base64.b64decode(data))).convert("RGB")
+
+
+def save(pictures: list[Image.Image], file: Path) -> None:
+    """Write pictures as a film that goes on for ever."""
+    middle = pictures[len(pictures) // 2]
+    colours = middle.quantize(COLOURS, Image.Quantize.FASTOCTREE, dither=Image.Dither.NONE)
+    flat = [each.quantize(palette=colours, dither=Image.Dither.NONE) for each in pictures]
+    times = [PACE] * (len(flat) - 1) + [LAST]
+    flat[0].save(file, save_all=True, append_images=flat[1:], duration=times, loop=0, optimize=True)
 
 
 def main() -> None:
@@ -65,14 +88,15 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as out:
         run = Run(Console(), StopSignal(), Path(out), [])
         run.log_file.touch()
-        with telling(run) as display:
-            drive = drive_round(run, "odometry_map", ROUND, display)
-            frames = [frame for frame in drive.survey.frames if frame.image.stamp in drive.truth][1::EVERY]
-            pictures = [picture(run, drive, frame) for frame in display.progress.track(frames, description="drawing")]
-    colours = pictures[-1].quantize(COLOURS, Image.Quantize.FASTOCTREE, dither=Image.Dither.NONE)  # near the palette
-    flat = [each.quantize(palette=colours, dither=Image.Dither.NONE) for each in pictures]
-    times = [PACE] * (len(flat) - 1) + [LAST]
-    flat[0].save(file, save_all=True, append_images=flat[1:], duration=times, loop=0, optimize=True)
+        browser = Chromium(Path(out) / "browser")
+        try:
+            browser.call(
+                "Emulation.setDeviceMetricsOverride", width=SIZE[0], height=SIZE[1], deviceScaleFactor=1, mobile=False
+            )
+            browser.call("Emulation.setScrollbarsHidden", hidden=True)
+            save(filmed(run, browser), file)
+        finally:
+            browser.close()
 
 
 if __name__ == "__main__":

@@ -1,6 +1,5 @@
 """The scene from above: robot, field of view, and what is truly there, in the robot's frame with its heading up."""
 
-import math
 from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
@@ -14,7 +13,6 @@ from matplotlib.ticker import MaxNLocator
 from cliffscan.common.contract.camera import Floats
 from cliffscan.common.contract.messages import LaserScan
 from cliffscan.simulator.truth import Outline
-from cliffscan.simulator.world import Pose
 from evaluation import palette
 from evaluation.palette import Fill, Mark, Stroke
 from evaluation.pictures.cloud import Cloud
@@ -136,10 +134,3 @@ def draw_edge(plot: Plot, pieces: Iterable[Outline]) -> None:
     for piece in pieces:
         if piece.kind == "floor":
             plot.line(piece.polygon[:, ::-1], palette.EDGE, 1.1)
-
-
-def seen_from(viewpoint: Pose, points: Floats) -> Floats:
-    """Points (n, 2) [m] of the world as seen from there: ahead and left (n, 2)."""
-    cos, sin = math.cos(viewpoint.yaw), math.sin(viewpoint.yaw)
-    turned: Floats = (points - viewpoint[:2]) @ np.array([[cos, -sin], [sin, cos]])
-    return turned

@@ -1,7 +1,7 @@
 """CDR, the bytes of ROS 2 messages: little-endian, each number aligned to its size. Source: OMG DDSI-RTPS, XCDR1."""
 
 import struct
-from functools import cache
+from functools import cache, lru_cache
 from typing import Any
 
 import numpy as np
@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 HEADER = b"\x00\x01\x00\x00"  # plain CDR, little-endian; numbers are aligned from its end on
 SECOND = 1_000_000_000  # [ns]
 LAST_SECOND = 2**31 - 1
+LARGEST, PART = 8, 4  # [bytes] of a number, of all and of those in a part()
 
 
 class CdrError(ValueError):
@@ -17,9 +18,17 @@ class CdrError(ValueError):
 
 
 @cache
-def packer(code: str, count: int) -> struct.Struct:
-    """What packs and unpacks so many numbers of struct's code."""
-    return struct.Struct(f"<{count}{code}")
+def packer(code: str, count: int, place: int) -> struct.Struct:
+    """What packs so many numbers of struct's code at a place in a message, modulo LARGEST, padding before them."""
+    padding = (len(HEADER) - place) % struct.calcsize(f"<{code}")
+    return struct.Struct(f"<{padding}x{count}{code}")
+
+
+@lru_cache(256)
+def _text(text: str, place: int) -> bytes:
+    """A string as it is at a place; frames and names come again and again."""
+    data = text.encode() + b"\0"
+    return packer("I", 1, place).pack(len(data)) + data
 
 
 class Writer:
@@ -30,30 +39,30 @@ class Writer:
 
     def numbers(self, code: str, *values: float) -> None:
         """Numbers of one type by struct's code, as a fixed-size array has them: without a length."""
-        written = packer(code, len(values))
-        self._align(written.size // len(values))
-        self._bytes += written.pack(*values)
+        self._bytes += packer(code, len(values), len(self._bytes) % LARGEST).pack(*values)
 
     def text(self, text: str) -> None:
         """A string."""
-        data = text.encode() + b"\0"
-        self.numbers("I", len(data))
-        self._bytes += data
+        self._bytes += _text(text, len(self._bytes) % LARGEST)
 
     def sequence(self, values: NDArray[Any]) -> None:
         """A sequence of numbers: its length and its values, whose type the array has."""
         self.numbers("I", values.size)
         if values.size:
             self._align(values.itemsize)
-        self._bytes += np.ascontiguousarray(values, values.dtype.newbyteorder("<")).tobytes()
+            self._bytes += values.astype(values.dtype.newbyteorder("<"), copy=False).tobytes()
+
+    def part(self, data: bytes) -> None:
+        """Fields of no more than PART bytes each, which a Writer wrote for themselves."""
+        self._align(PART)
+        self._bytes += data[len(HEADER) :]
 
     def stamp(self, stamp: int) -> None:
         """A builtin_interfaces/Time of a stamp [ns]. Raises CdrError for one that ROS cannot express."""
         seconds, nanoseconds = divmod(stamp, SECOND)
         if seconds > LAST_SECOND:
             raise CdrError(f"stamp {stamp} lies after 2038, the last year of ROS time: correct the clock")
-        self.numbers("i", seconds)
-        self.numbers("I", nanoseconds)
+        self.numbers("i", seconds, nanoseconds)
 
     def header(self, stamp: int, frame: str) -> None:
         """A std_msgs/Header. Raises CdrError as stamp() does."""

@@ -7,7 +7,7 @@ Source: common_interfaces and tf2_msgs, of Jazzy.
 
 import math
 from collections.abc import Mapping, Sequence
-from functools import lru_cache
+from functools import cache, lru_cache
 from itertools import product
 
 import numpy as np
@@ -59,16 +59,25 @@ def point_cloud(scan: LaserScan, frame: str) -> bytes:
         points[:, 3] = scan.intensities[hit]
     writer = Writer()
     writer.header(scan.stamp, frame)
-    writer.numbers("I", 1, len(points), len(POINT_FIELDS))
+    writer.numbers("I", 1, len(points))
+    writer.part(_point_fields())
+    writer.numbers("I", POINT_STEP, POINT_STEP * len(points))
+    writer.sequence(points.view(np.uint8).ravel())
+    writer.numbers("?", True)
+    return writer.payload()
+
+
+@cache
+def _point_fields() -> bytes:
+    """The sequence of PointField of a cloud, and that its numbers are little-endian."""
+    writer = Writer()
+    writer.numbers("I", len(POINT_FIELDS))
     for number, name in enumerate(POINT_FIELDS):
         writer.text(name)
         writer.numbers("I", 4 * number)
         writer.numbers("B", FLOAT32)
         writer.numbers("I", 1)
     writer.numbers("?", False)
-    writer.numbers("I", POINT_STEP, POINT_STEP * len(points))
-    writer.sequence(points.view(np.uint8).ravel())
-    writer.numbers("?", True)
     return writer.payload()
 
 

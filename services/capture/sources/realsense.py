@@ -3,42 +3,24 @@
 librealsense serves USB in threads of its own. Its calls that open and close a camera may take seconds.
 """
 
-import math
 import time
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager, suppress
 from functools import partial
-from typing import NamedTuple
 
 import numpy as np
 import pyrealsense2 as rs
-from numpy.typing import NDArray
 
 from cliffscan.common.contract.camera import Camera, FloorPlane, Intrinsics
-from cliffscan.common.contract.limits import FARTHEST_REACH, MOST_NOISE
 from cliffscan.common.runtime.config import ConfigError
 from cliffscan.services.capture.config import CaptureConfig
 from cliffscan.services.capture.sources.depth_source import DepthFrame, SourceLost
 from cliffscan.services.capture.sources.device_thread import TURN, DeviceThread
 from cliffscan.services.capture.sources.modes import best_mode
+from cliffscan.services.capture.sources.realsense_sensor import millimetres, sensor_of
 
-DISPARITY_NOISE = 0.1  # [px] standard deviation of a D400's disparity indoors, its steps of 1/32 px included
-WIDEST_DISPARITY = 126  # [px] in which a D400 looks for a match, so what is nearer returns nothing
-TRUSTED = 0.2  # [m] standard deviation of a depth up to which it is trusted
-LARGEST = np.iinfo(np.uint16).max  # [mm]
 REPLUG = "replug it into a USB 3 port"
 RULES = "install udev/60-realsense.rules"
-
-
-class Sensor(NamedTuple):
-    """range: [m] along the optical axis; noise: [1/m] of the inverse depth, steps included; baseline: [m]."""
-
-    range: tuple[float, float]
-    noise: float
-    baseline: float
-
-
-ONE_EYE = Sensor((0.25, 9.0), 2.0e-3, 0.0)  # an L515, which measures the time of flight
 
 
 def open_configured(config: CaptureConfig) -> DeviceThread[DepthFrame]:
@@ -50,13 +32,6 @@ def open_configured(config: CaptureConfig) -> DeviceThread[DepthFrame]:
 def connected() -> list[rs.device]:
     """The cameras that librealsense finds."""
     return list(rs.context().query_devices())
-
-
-def stereo(focal: float, baseline: float) -> Sensor:
-    """What a stereo camera measures, by its focal length [px] and baseline [m]: depth is focal·baseline/disparity."""
-    noise = min(DISPARITY_NOISE / (focal * baseline), MOST_NOISE)
-    far = min(math.sqrt(TRUSTED / noise), FARTHEST_REACH)
-    return Sensor((focal * baseline / WIDEST_DISPARITY, far), noise, baseline)
 
 
 class RealSenseStream:
@@ -129,7 +104,7 @@ class RealSenseStream:
             )
         option = rs.option.stereo_baseline
         baseline = abs(sensor.get_option(option)) / 1000 if sensor.supports(option) else 0.0
-        sees = stereo(told.fx, baseline) if baseline else ONE_EYE
+        sees = sensor_of(told.fx, baseline)
         intrinsics = Intrinsics(told.fx, told.fy, told.ppx, told.ppy)
         return Camera(told.width, told.height, intrinsics, sees.range, floor, sees.noise, sees.baseline)
 
@@ -149,14 +124,6 @@ def stamp(frame: rs.frame) -> int:
         return time.time_ns()
     milliseconds: float = frame.get_timestamp()
     return round(milliseconds * 1e6)
-
-
-def millimetres(pixels: NDArray[np.uint16], unit: float) -> NDArray[np.uint16]:
-    """A copy of the depths in `unit` [m], as depths [mm]; 0 = no return, and so what millimetres cannot express."""
-    if math.isclose(unit, 1e-3, rel_tol=1e-5):
-        return pixels.copy()
-    depth = np.rint(pixels * (1000.0 * unit))
-    return np.where(depth <= LARGEST, depth, 0).astype(np.uint16)
 
 
 def remedy(reason: str) -> str:

@@ -68,9 +68,9 @@ def open_recorded(config: CaptureConfig) -> Recorded:
     """The depth folder, bag or MCAP file that is configured. Raises ConfigError."""
     path = Path(config.path)
     if path.is_file() or (path / "metadata.yaml").is_file():
-        from cliffscan.services.capture.ros.recording import Recording  # a depth folder needs no rosbags
+        from cliffscan.services.capture.ros.open_recording import open_recording  # a depth folder needs no rosbags
 
-        return Recording(path, config)
+        return open_recording(path, config)
     return DepthFolder(path)
 
 

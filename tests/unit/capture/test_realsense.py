@@ -10,7 +10,7 @@ import pytest
 from cliffscan.common.contract.camera import check_camera
 from cliffscan.common.runtime.config import ConfigError
 from cliffscan.services.capture.config import CaptureConfig
-from cliffscan.services.capture.sources import device_thread
+from cliffscan.services.capture.sources import device_thread, realsense_sensor
 from cliffscan.services.capture.sources.depth_source import SourceLost
 from cliffscan.services.capture.sources.open_source import open_source
 
@@ -95,7 +95,7 @@ def test_noise_baseline_and_range_follow_from_the_cameras_two_eyes(plug, opened)
 def test_a_camera_with_one_eye_has_the_documented_values(plug, opened):
     plug(baseline=0)
     camera = first_frame(opened()).camera
-    assert (camera.range, camera.noise, camera.baseline) == realsense.ONE_EYE
+    assert (camera.range, camera.noise, camera.baseline) == realsense_sensor.ONE_EYE
 
 
 def test_a_frame_has_the_stamp_of_its_exposure(plug, opened):
@@ -164,7 +164,7 @@ def test_a_distorted_image_is_refused(plug, opened):
 
 def test_what_millimetres_cannot_express_is_no_return():
     pixels = np.array([[0, 1, 6553, 6554, 65535]], np.uint16)
-    assert realsense.millimetres(pixels, 0.01).tolist() == [[0, 10, 65530, 0, 0]]
+    assert realsense_sensor.millimetres(pixels, 0.01).tolist() == [[0, 10, 65530, 0, 0]]
 
 
 @pytest.mark.parametrize(
@@ -207,6 +207,6 @@ def test_without_its_system_library_the_package_is_named(monkeypatch):
 def test_any_stereo_camera_is_a_possible_one():
     for focal in (100.0, 430.0, 1300.0):
         for baseline in (0.018, 0.05, 0.095):
-            (near, far), noise, _ = realsense.stereo(focal, baseline)
+            (near, far), noise, _ = realsense_sensor.stereo(focal, baseline)
             assert 0 < near < far < math.inf
             assert noise == pytest.approx(0.1 / (focal * baseline), abs=0.05)

@@ -5,10 +5,9 @@ import pytest
 from cliffscan.common.contract.base_messages import Odometry
 from cliffscan.common.contract.map_messages import OccupancyGrid, Pose2D
 from evaluation.processes.steering import Look
-from experiments.survey import FRAME_PERIOD, Survey
-from tests.unit.experiments.made_up import frame
+from experiments.survey import Survey
 
-SCANS = {"fused": "scan/fused", "positive": "scan/positive"}
+MAPS = ("fused", "positive")
 SECOND = 1_000_000_000
 
 
@@ -40,12 +39,11 @@ def grid(stamp):
 
 @pytest.fixture
 def survey():
-    return Survey([Look(90)], SCANS, Said())
+    return Survey([Look(90)], MAPS, Said())
 
 
 def test_it_hears_all_that_it_needs(survey):
-    maps = {"map/fused", "map/positive", "pose/fused", "pose/positive"}
-    assert set(survey.paths) == {"base/odom", "camera/depth", "scan/fused", "scan/positive", *maps}
+    assert set(survey.paths) == {"base/odom", "map/fused", "map/positive", "pose/fused", "pose/positive"}
 
 
 def test_it_commands_now_and_then_once_it_may(survey):
@@ -61,20 +59,14 @@ def test_it_is_done_when_the_steps_are_and_every_map_is_newer(survey):
     survey.receive("map/fused", grid(SECOND), go=True)
     survey.receive("base/odom", odometry(1.57, 2 * SECOND), go=True)
     assert survey.done == 1
-    for name in SCANS:
+    for name in MAPS:
         survey.receive(f"map/{name}", grid(2 * SECOND - 1), go=True)
     assert survey.done == 1
-    for name in SCANS:
+    for name in MAPS:
         survey.receive(f"map/{name}", grid(2 * SECOND), go=True)
     assert survey.done == survey.total == 3
 
 
-def test_poses_are_kept_by_stamp_and_frames_some_time_apart(survey):
+def test_poses_are_kept_by_stamp(survey):
     survey.receive("pose/fused", Pose2D(stamp=5, frame="map", pose=(1.0, 2.0, 3.0)).encode(), go=True)
     assert survey.poses == {"fused": {5: (1.0, 2.0, 3.0)}, "positive": {}}
-    for number in range(5):
-        made = frame(seq=number, stamp=1 + number * FRAME_PERIOD // 2)
-        survey.receive("camera/depth", made.image.encode(), go=True)
-        for name, path in SCANS.items():
-            survey.receive(path, made.scans[name].encode(), go=True)
-    assert [kept.image.seq for kept in survey.frames] == [0, 2, 4]
