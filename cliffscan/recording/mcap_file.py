@@ -4,9 +4,10 @@ import os
 from pathlib import Path
 from typing import NamedTuple, Self
 
+from mcap.writer import Writer
+
 from cliffscan.common.runtime.service import package_version
 from cliffscan.recording.definitions import schema
-from cliffscan.recording.mcap_writer import McapWriter
 from cliffscan.services.ros2.interfaces import Interface
 from cliffscan.services.ros2.node import Profile
 
@@ -29,7 +30,8 @@ class McapFile:
         """Raises FileExistsError rather than overwrite a file, and OSError where none can be made."""
         self.path = path
         self._file = path.open("xb")
-        self._writer = McapWriter(self._file, "ros2", f"cliffscan {package_version()}", CHUNK)
+        self._writer = Writer(self._file, CHUNK)
+        self._writer.start("ros2", f"cliffscan {package_version()}")
         self._writer.add_metadata(METADATA, {"robot": robot})
         self._channels: dict[RosTopic, int] = {}
         self._schemas: dict[Interface, int] = {}
@@ -49,7 +51,7 @@ class McapFile:
 
     def add(self, topic: RosTopic, stamp: int, payload: bytes) -> None:
         """Add a message that came at `stamp` [ns]; it is in the file after the next flush()."""
-        self._writer.add_message(self._channel(topic), stamp, payload)
+        self._writer.add_message(self._channel(topic), stamp, payload, stamp)
 
     def flush(self) -> None:
         """Bring what was added to the disk, as a chunk of its own."""
