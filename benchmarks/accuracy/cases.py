@@ -48,7 +48,7 @@ class Case(NamedTuple):
     @property
     def safe(self) -> bool:
         """Whether there is no drop."""
-        return BUILD[self.kind] not in DROPS
+        return BUILD[self.kind] not in (*DROPS, *self.setup.drops)
 
     def rng(self, purpose: str) -> np.random.Generator:
         """The same random numbers for the same purpose, whatever else draws any."""

@@ -40,6 +40,7 @@ The setups:
 - *border*: as level or as mounted, with up to 23 rows and 15 columns at the border that return nothing, and are told.
 - *ramps*: as level, ramps down of 3 to 5° whose crest is 2.8 to 3.2 m ahead and whose surface is seen from any angle.
 - *corners* and *tips*: as level; the drop beams are those with 10 to 20 cm and with 5 to 10 cm of hole.
+- *steps*: as level, straight steps down of 1.4 to 2.5 cm up to 1.5 m ahead, and steps of up to 1 cm that may be driven.
 - *flat*: empty floor seen by a Kinect 0.2 to 1.5 m high, pitched -5 to 60°, at any roll.
 
 Not counted, and how many they are, stands under each table:

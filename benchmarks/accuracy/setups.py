@@ -28,7 +28,9 @@ DROPS: tuple[Build, ...] = (drops.hole, drops.hole, drops.kerb, drops.kerb_5cm, 
 SAFE: tuple[Build, ...] = (safe.open_floor, safe.walls, safe.corridor, safe.boxes, safe.tables, safe.railings,
                            safe.sill, safe.ramp_down, safe.ramp_up, safe.lost_returns)  # fmt: skip
 OPENINGS: tuple[Build, ...] = (drops.hole, drops.stairwell)  # that have corners
-BUILD: dict[str, Build] = {build.__name__: build for build in (*DROPS, *SAFE, safe.glossy, safe.ramp_ahead)}
+BUILD: dict[str, Build] = {
+    build.__name__: build for build in (*DROPS, *SAFE, safe.glossy, safe.ramp_ahead, drops.low_step, safe.driven_step)
+}
 
 ANY_ROLL = 180.0  # [deg]
 STEREO_SIZE, STEREO_RANGE, STEREO_BASELINE = (848, 480), (0.3, 6.0), 0.05  # [px], [m], [m]
@@ -122,5 +124,6 @@ SETUPS: dict[str, Setup] = {
     "ramps": Setup(level, drops=(), safe=(safe.ramp_ahead,)),
     "corners": Setup(level, OPENINGS, (), lengths=(CORNER, SHORTEST)),
     "tips": Setup(level, OPENINGS, (), lengths=(TIP, CORNER)),
+    "steps": Setup(level, (drops.low_step,), (safe.driven_step,)),
     FLAT: Setup(flat_mount, drops=(), safe=(safe.open_floor,)),
 }

@@ -48,6 +48,9 @@ class ScanConfig(ServiceConfig):
     """Height [m] above and below the plane that counts as floor."""
     steepest: Annotated[float, Field(ge=0, le=20)] = 5.0
     """Slope [deg] up to which a ramp is floor."""
+    wheel_step: Annotated[float, Field(ge=0, le=0.1)] = 0.012
+    """Height [m] of the highest step that the wheels take, a Kobuki's by default; within 2 m a higher one is in the
+    way, or an edge, where the sensor shows it surely. 0 = steps lower than floor_band and least_drop are floor."""
 
     @model_validator(mode="after")
     def _wide_enough(self) -> Self:

@@ -13,6 +13,7 @@ Span = tuple[float, float]
 
 HEADINGS = (-0.9, 0.9)  # [rad] of the normal of a straight edge
 STEPS = 12  # of a flight of stairs
+LOW_STEPS, LOW_STEP_REACH = (0.014, 0.025), 1.5  # [m] of height, and how far away at most
 
 
 def hole(rng: Rng, edges: Span) -> Scene:
@@ -72,6 +73,11 @@ def kerb(rng: Rng, edges: Span) -> Scene:
 def kerb_5cm(rng: Rng, edges: Span) -> Scene:
     """A kerb of exactly 5 cm, near."""
     return step_down(rng, (edges[0], max(edges[0] + 0.1, min(edges[1], 1.5))), 0.05)
+
+
+def low_step(rng: Rng, edges: Span) -> Scene:
+    """A straight edge, near, and a floor that goes on lower by what no wheel takes, though it is less than a kerb."""
+    return step_down(rng, (edges[0], min(edges[1], LOW_STEP_REACH)), rng.uniform(*LOW_STEPS))
 
 
 def step_down(rng: Rng, edges: Span, depth: float) -> Scene:

@@ -3,7 +3,7 @@
 import math
 
 from cliffscan.simulator.faces import at
-from evaluation.scenes.drops import Span, halves
+from evaluation.scenes.drops import HEADINGS, Span, halves
 from evaluation.scenes.furniture import Rng, box, clutter, person, railing, table, wall, wall_beyond
 from evaluation.scenes.polygons import clip, direction, rectangle
 from evaluation.scenes.scene import GROUND, Ramp, Scene
@@ -11,6 +11,7 @@ from evaluation.scenes.scene import GROUND, Ramp, Scene
 ADA = math.tan(math.radians(4.76))  # 1 in 12
 STEEPEST = 5.0  # [deg]
 SILL = 0.015  # [m]
+DRIVEN = 0.01  # [m] of a step
 CRESTS = (2.8, 3.2)  # [m] ahead, of ramps whose surface is still seen
 ROUGH = 0.01  # sine of the angle below which it is not
 
@@ -89,6 +90,15 @@ def sill(rng: Rng, _edges: Span) -> Scene:
     for side in (-1.0, 1.0):
         wall(scene, middle + aside * side * door / 2, middle + aside * side * 8.0)
     scene.stand(rectangle(middle, rng.uniform(0.05, 0.12), door, heading), 0.0, rng.uniform(0.005, SILL))
+    return scene
+
+
+def driven_step(rng: Rng, edges: Span) -> Scene:
+    """A straight edge, and a floor that goes on higher or lower by what every wheel takes."""
+    scene = Scene()
+    here, beyond = halves(rng.uniform(*HEADINGS), rng.uniform(*edges))
+    scene.lay(here)
+    scene.lay(beyond, rng.uniform(-DRIVEN, DRIVEN))
     return scene
 
 

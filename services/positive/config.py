@@ -37,3 +37,8 @@ class PositiveConfig(ImageScanConfig):
     def slope(self) -> float:
         """Rise per metre of the steepest floor, as it may look; 0 where the floor is flat."""
         return 0.0 if self.flat_floor else self.steepest_rise()
+
+    @property
+    def lowest_rise(self) -> float:
+        """Height [m] above which a step up is in the way although floor_band is higher; 0 = none, as in the paper."""
+        return 0.0 if self.flat_floor else self.wheel_step

@@ -17,7 +17,9 @@ from cliffscan.common.contract.beam_grid import Grid
 from cliffscan.common.perception.beam_reduction import LOOKED, NOTHING, min_per_beam
 from cliffscan.common.perception.floor_points import MILLIMETRE, FloorPoints, Metres
 from cliffscan.common.perception.image_region import Millimetres
+from cliffscan.common.perception.low_steps import Sight
 from cliffscan.services.positive.first_sight import first_floor
+from cliffscan.services.positive.low_rises import mark_rises
 
 ACROSS = np.float32(0.2)  # [m] of unseen floor over which it may rise
 CLOSE = np.float32(0.02)  # [m] above a ramp, from where on a point is no longer taken for one
@@ -26,14 +28,21 @@ DEVIATIONS = 5.0  # of a height, up to which it is noise: four make ten obstacle
 
 
 def projection(
-    points: FloorPoints, grid: Grid, floor_band: float, robot_height: float, slope: float, noise: float
+    points: FloorPoints,
+    grid: Grid,
+    floor_band: float,
+    robot_height: float,
+    slope: float,
+    noise: float,
+    wheel_step: float = 0.0,
 ) -> Ranges:
     """Range [m] of the nearest point above the floor and not above the robot, in each beam: (beams,).
 
     floor_band [m] above the floor that was followed is floor, or what noise may make of it; slope: rise per metre of
     the steepest one; noise [1/m]: standard deviation of the inverse depth; both are 0 for the paper's, which is flat
-    and exact; robot_height [m] above the floor plane. +inf where a beam saw floor, or below it, and nothing in the way;
-    NaN where it saw neither: what is higher than the robot tells nothing of what stands below it.
+    and exact; robot_height [m] above the floor plane; wheel_step [m]: what the wheels take of a step, 0 for the
+    paper's, which looks for none. +inf where a beam saw floor, or below it, and nothing in the way; NaN where it saw
+    neither: what is higher than the robot tells nothing of what stands below it.
     """
     outward = 1 if points.region.up.rows[0] < points.region.up.rows[1] else -1
     band, height, steepest = np.float32(floor_band), np.float32(robot_height), np.float32(slope)
@@ -42,6 +51,8 @@ def projection(
     standing = brought_down(
         points.millimetres, points.heights, points.distances, outward, band, uncertain, height, steepest, level, seen
     )
+    if wheel_step:
+        mark_rises(standing, points, outward, Sight.of(points.region.camera, wheel_step, slope))
     return min_per_beam(standing, points.region, grid)
 
 

@@ -15,5 +15,6 @@ def positive_scan(image: DepthImage, config: PositiveConfig) -> LaserScan:
     """The nearest obstacle in each beam."""
     seen = floor_points(image.depth, image.camera, config.range_min, lower_than=config.robot_height)
     noise = 0.0 if config.flat_floor else image.camera.noise
-    ranges = projection(seen, config.grid(), config.floor_band, config.robot_height, config.slope, noise)
+    floor = config.floor_band, config.robot_height, config.slope, noise, config.lowest_rise
+    ranges = projection(seen, config.grid(), *floor)
     return laser_scan(image, within(beams_with(ranges, Evidence.POSITIVE), config.reach(image.camera)), config)

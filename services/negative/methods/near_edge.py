@@ -16,6 +16,7 @@ from cliffscan.common.contract.camera import Camera, Floats, scan_axes
 from cliffscan.common.contract.evidence import Evidence
 from cliffscan.common.perception.floor_points import FloorPoints, Metres
 from cliffscan.common.perception.image_region import ImageRegion
+from cliffscan.common.perception.low_steps import Sight
 from cliffscan.common.perception.scans import ImageScanConfig
 from cliffscan.services.negative.beam_lines import (
     BeamLines,
@@ -32,6 +33,7 @@ from cliffscan.services.negative.lost_floor import beyond_lost_floor, far_off
 from cliffscan.services.negative.ramps import ramps_ahead, resolves_ramps
 from cliffscan.services.negative.registry import negative_method
 from cliffscan.services.negative.shadow import Pixels, shadowed
+from cliffscan.services.negative.step_ends import end_at_steps
 
 TRUSTED = 0.97  # of the sensor's range; beyond, noise takes depths out of it
 Meanings = NDArray[np.int8]  # Ends
@@ -44,7 +46,7 @@ class NearEdgeConfig(ImageScanConfig):
     floor_lost: FloorLost = "counts"
     """What floor without data is: it counts as a drop, counts only beside_drop that is seen, or is ignored."""
     least_drop: Annotated[float, Field(ge=0.01, le=0.2)] = 0.025
-    """Height [m] of the lowest step down that is a drop; a lower one is floor."""
+    """Height [m] of the lowest step down that is a drop wherever floor is followed; wheel_step is for lower ones."""
     least_gap: Annotated[float, Field(ge=0.02, le=1)] = 0.12
     """Length [m] of floor without data from which on it is lost; less is chance."""
     sight: Annotated[float, Field(gt=0, le=20)] = 4.0
@@ -64,15 +66,22 @@ class NearEdgeConfig(ImageScanConfig):
 @negative_method("near_edge", NearEdgeConfig)
 def find(points: FloorPoints, config: NearEdgeConfig) -> Beams:
     """The method with its configuration."""
-    return near_edge(points, config.grid(), config.criteria(points.region.camera), config.floor_lost)
+    return near_edge(points, config.grid(), config.criteria(points.region.camera), config.floor_lost, config.wheel_step)
 
 
-def near_edge(points: FloorPoints, grid: Grid, criteria: FloorCriteria[float], floor_lost: FloorLost) -> Beams:
+def near_edge(
+    points: FloorPoints,
+    grid: Grid,
+    criteria: FloorCriteria[float],
+    floor_lost: FloorLost,
+    wheel_step: float = 0.0,
+) -> Beams:
     """Range [m] of the last floor before a drop in each beam, on what it rests, how far floor is clear: (beams,) each.
 
     +inf where floor was seen as far as the sensor sees it; NaN where it was not: behind an obstacle, in its shadow,
     beyond a gap. An edge can be told no better than the spacing of the rows on the floor, z²/(f·h).
-    floor_lost: whether floor that is lost counts as a drop, only beside a drop that is seen, or not at all.
+    floor_lost: whether floor that is lost counts as a drop, only beside a drop that is seen, or not at all; wheel_step
+    [m]: what the wheels take of a step, 0 = low steps are not looked for.
     """
     region, height = points.region, points.region.camera.floor.d
     each = lines_per_beam(region, grid)
@@ -83,6 +92,8 @@ def near_edge(points: FloorPoints, grid: Grid, criteria: FloorCriteria[float], f
         return Beams(ranges=np.full(grid.beams, np.nan, np.float32), intensities=nothing, clear=nothing)
     heights, in_view = heights_along(points, lines, order)
     traced = floor_trace(heights, order, lines, in_view, np.float32(height), single(criteria))
+    if wheel_step:
+        end_at_steps(traced, heights, order, lines, Sight.of(region.camera, wheel_step, criteria.slope))
     end, row, level, *_ = traced
     facts = height, criteria.noise
     end_at_faces(heights, order, lines, in_view.first, *traced, *facts, criteria.slope, criteria.step)
