@@ -1,7 +1,7 @@
 """CDR, the bytes of ROS 2 messages: little-endian, each number aligned to its size. Source: OMG DDSI-RTPS, XCDR1."""
 
 import struct
-from functools import cache
+from functools import cache, lru_cache
 from typing import Any
 
 import numpy as np
@@ -10,6 +10,8 @@ from numpy.typing import NDArray
 HEADER = b"\x00\x01\x00\x00"  # plain CDR, little-endian; numbers are aligned from its end on
 SECOND = 1_000_000_000  # [ns]
 LAST_SECOND = 2**31 - 1
+STAMP = struct.Struct("<iI")  # a builtin_interfaces/Time
+TEXTS = 256  # that are kept as they are written: frames and names come again and again
 
 
 class CdrError(ValueError):
@@ -20,6 +22,13 @@ class CdrError(ValueError):
 def packer(code: str, count: int) -> struct.Struct:
     """What packs and unpacks so many numbers of struct's code."""
     return struct.Struct(f"<{count}{code}")
+
+
+@lru_cache(TEXTS)
+def string(text: str) -> bytes:
+    """A string: its length, its characters and a zero."""
+    data = text.encode() + b"\0"
+    return packer("I", 1).pack(len(data)) + data
 
 
 class Writer:
@@ -36,24 +45,28 @@ class Writer:
 
     def text(self, text: str) -> None:
         """A string."""
-        data = text.encode() + b"\0"
-        self.numbers("I", len(data))
-        self._bytes += data
+        self._align(4)
+        self._bytes += string(text)
 
     def sequence(self, values: NDArray[Any]) -> None:
         """A sequence of numbers: its length and its values, whose type the array has."""
         self.numbers("I", values.size)
         if values.size:
             self._align(values.itemsize)
-        self._bytes += np.ascontiguousarray(values, values.dtype.newbyteorder("<")).tobytes()
+        self._bytes += np.ascontiguousarray(values, values.dtype.newbyteorder("<")).data.cast("B")
+
+    def part(self, written: bytes) -> None:
+        """What another writer's body() has of numbers of four bytes at most."""
+        self._align(4)
+        self._bytes += written
 
     def stamp(self, stamp: int) -> None:
         """A builtin_interfaces/Time of a stamp [ns]. Raises CdrError for one that ROS cannot express."""
         seconds, nanoseconds = divmod(stamp, SECOND)
         if seconds > LAST_SECOND:
             raise CdrError(f"stamp {stamp} lies after 2038, the last year of ROS time: correct the clock")
-        self.numbers("i", seconds)
-        self.numbers("I", nanoseconds)
+        self._align(4)
+        self._bytes += STAMP.pack(seconds, nanoseconds)
 
     def header(self, stamp: int, frame: str) -> None:
         """A std_msgs/Header. Raises CdrError as stamp() does."""
@@ -64,8 +77,13 @@ class Writer:
         """The message."""
         return bytes(self._bytes)
 
+    def body(self) -> bytes:
+        """The message without what all begin with."""
+        return bytes(self._bytes[len(HEADER) :])
+
     def _align(self, size: int) -> None:
-        self._bytes += bytes(-(len(self._bytes) - len(HEADER)) % size)
+        if past := (len(self._bytes) - len(HEADER)) % size:
+            self._bytes += bytes(size - past)
 
 
 class Reader:
