@@ -25,8 +25,11 @@ class Hull(Protocol):
     def measure(self, points: Floats) -> Floats:
         """How near points (2, n) [m] are: (n,) [m]."""
 
+    def nearest(self, points: Floats, most: float) -> float:
+        """How near the nearest of points (2, n) [m] is, `most` [m] at the most."""
+
     def covers(self, x: Floats, y: Floats) -> Mask:
-        """Which points, of one shape [m], lie below the hull."""
+        """Which points, (n,) [m] each, lie below the hull."""
 
     def on_rim(self, bearings: Floats) -> Floats:
         """The points (2, n) [m] of the hull in directions (n,) [rad] from its middle."""
@@ -50,6 +53,10 @@ class Disc:
         """See Hull."""
         distances: Floats = np.sqrt(points[0] ** 2 + points[1] ** 2)
         return distances
+
+    def nearest(self, points: Floats, most: float) -> float:
+        """See Hull."""
+        return float(self.measure(points).min(initial=most))
 
     def covers(self, x: Floats, y: Floats) -> Mask:
         """See Hull."""
@@ -76,13 +83,18 @@ class Polygon:
     rim = 0.0
 
     def __init__(self, corners: Corners) -> None:
-        self._corners = np.array(corners).T
-        self._edges = Edges.of(self._corners)
-        self.outer = float(np.hypot(*self._corners).max())
+        points = np.array(corners).T
+        self._edges = Edges.of(points)
+        self._mirrored = {(x, y): Edges.of(np.array([[x], [y]]) * points) for x in (1, -1) for y in (1, -1)}
+        self.outer = float(np.hypot(*points).max())
 
     def measure(self, points: Floats) -> Floats:
         """See Hull."""
         return polygon_collision.distances(self._edges, points)
+
+    def nearest(self, points: Floats, most: float) -> float:
+        """See Hull."""
+        return float(polygon_collision.distances_within(self._edges, points, most).min(initial=most))
 
     def covers(self, x: Floats, y: Floats) -> Mask:
         """See Hull."""
@@ -103,21 +115,21 @@ class Polygon:
 
     def on_arc(self, points: Floats, side: int, curvature: float, kept: float, clearance: float) -> Contact:
         """See Hull."""
+        handed = 1 if curvature >= 0.0 else -1
+        edges = self._mirrored[side, handed]
         if abs(curvature) < STRAIGHT:
-            return self._first(Straight(), points, side, 1, kept, clearance)
+            return self._first(Straight(edges), points, side, handed, kept, clearance)
         radius = 1.0 / abs(curvature)
-        handed = 1 if curvature > 0.0 else -1
-        angle, point = self._first(Turn(radius), points, side, handed, kept, clearance)
+        angle, point = self._first(Turn(edges, radius), points, side, handed, kept, clearance)
         return Contact(radius * angle, point)
 
     def on_the_spot(self, points: Floats, direction: int, kept: float, clearance: float) -> Contact:
         """See Hull."""
-        return self._first(Turn(0.0), points, 1, direction, kept, clearance)
+        return self._first(Turn(self._mirrored[1, direction], 0.0), points, 1, direction, kept, clearance)
 
     def _first(self, path: Path, points: Floats, side: int, handed: int, kept: float, clearance: float) -> Contact:
         """The first point that is met on a path that is mirrored where it leads backward, or to the right."""
-        mirror = np.array([[float(side)], [float(handed)]])
-        ways = free_ways(path, Edges.of(mirror * self._corners), mirror * points, kept, clearance)
+        ways = free_ways(path, np.array([[side], [handed]]) * points, kept, clearance)
         first = int(ways.argmin()) if ways.size else -1
         return Contact(float(ways[first]), first) if first >= 0 and ways[first] < math.inf else NO_CONTACT
 

@@ -75,8 +75,10 @@ class RollingGrid:
         seen = self._seen[near]
         if not seen.any():  # FREE is 0: there is nothing to free, as nearly always
             return
-        covered = hull.covers(*self._seen_from(pose, near))
-        seen[covered & (seen <= UNKNOWN) & ~self._touched[near]] = FREE
+        rows, columns = np.nonzero((seen > FREE) & (seen <= UNKNOWN) & ~self._touched[near])
+        x, y = self._seen_from(pose, near)
+        covered = hull.covers(x[rows, columns], y[rows, columns])
+        seen[rows[covered], columns[covered]] = FREE
 
     def see(self, ranges: Floats, edges: Mask, free: Floats, angles: Floats, pose: Pose2D, floor: VisibleFloor) -> None:
         """Take in a scan made at `pose`: (beams,) each, at evenly spaced angles [rad].

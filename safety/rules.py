@@ -10,6 +10,7 @@ from cliffscan.common.contract.base_messages import Rule as Name
 from cliffscan.safety.contact_recovery import ContactRecovery, Kind, Reaction, touched
 from cliffscan.safety.inputs import REST, Command, Contacts, SafetyLimits, Twist
 from cliffscan.safety.local_grid import RollingGrid
+from cliffscan.safety.pending_motion import SLOW, SLOW_TURN
 from cliffscan.safety.pose2d import Pose2D
 from cliffscan.safety.velocity_limiter import Obstruction, SpeedLimit, VelocityLimiter
 from cliffscan.safety.velocity_ramp import VelocityRamp
@@ -82,6 +83,11 @@ class Situation:
         turn = self.ramp.toward(Twist(0.0, angular))
         return turn.scaled(self.limit_turn(turn, age).factor)
 
+    def go_straight(self, linear: float, age: float | None) -> Twist:
+        """The robot goes on slowly, as far as nothing is in the way."""
+        straight = self.ramp.toward(Twist(math.copysign(min(abs(linear), SLOW), linear), 0.0))
+        return straight.scaled(min(self.limit(side, straight, age).factor for side in (1, -1)))
+
 
 def refused(it: Situation) -> Decision | None:
     """The driver does not accept the base."""
@@ -148,6 +154,7 @@ def obstacle(it: Situation) -> Decision | None:
     """Something is in the way: so fast that the robot can brake before it touches anything.
 
     A robot that can hardly go on turns on the spot: a disc touches nothing new by that; what others sweep is looked at.
+    One that may not turn either, for its tail would meet what it passes, goes straight on until it may.
     """
     limits = [it.limit(side, it.wanted, it.fresh_age) for side in (1, -1)]
     limits.append(it.limit_turn(it.wanted, it.fresh_age))
@@ -157,6 +164,8 @@ def obstacle(it: Situation) -> Decision | None:
     slower = it.wanted.scaled(factor)
     if abs(slower.linear) < CRAWL and it.limiter.stands(it.now):
         slower = it.turn_on_the_spot(it.ramp.limited(it.asked).angular, it.fresh_age)
+        if not it.limiter.hull.turns_free and abs(slower.angular) < SLOW_TURN:
+            slower = it.go_straight(it.asked.linear, it.fresh_age)
     nearest = min(limits, key=lambda limit: limit.distance)
     return Decision("obstacle", slower, it.asked, nearest.distance, obstruction=nearest.obstruction)
 

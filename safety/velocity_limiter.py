@@ -159,7 +159,7 @@ class VelocityLimiter:
 
     def _approach(self, side: int, points: Floats) -> float:
         """The least distance [m] at which anything may be passed, by what came nearest since something is near."""
-        nearest = float(self.hull.measure(points).min(initial=self._kept))
+        nearest = self.hull.nearest(points, self._kept)
         before = self._clearance[side] if nearest < self._kept else self._kept
         self._clearance[side] = max(min(before, nearest), self._least)
         return self._clearance[side] - ROUNDING

@@ -48,14 +48,14 @@ def least_of(values: Ranges, count: int) -> Ranges:
     return np.minimum(values[: len(values) - rest], values[rest:])
 
 
-def safe_ranges(scan: LaserScan, known: Ranges, farthest: float) -> Ranges:
-    """The numbers before which ground is known but for a CELL, +inf where it is up to `farthest` [m], else NaN.
+def safe_ranges(scan: LaserScan, known: Ranges, farthest: float, beyond: float = math.inf) -> Ranges:
+    """The numbers before which ground is known but for a CELL, `beyond` where it is up to `farthest` [m], else NaN.
 
     known: (beams,) [m], of known_ground. No number is beyond `farthest`.
     """
-    near = scan.ranges < np.float32(farthest)
-    ends = np.where(near, scan.ranges, np.float32(farthest))
-    return np.where(known >= ends - np.float32(CELL), np.where(near, ends, INF), NAN)
+    ends = np.fmin(scan.ranges, np.float32(farthest))
+    numbers = np.where(ends < np.float32(farthest), ends, np.float32(beyond))
+    return np.where(known >= ends - np.float32(CELL), numbers, NAN)
 
 
 def safe_scan(scan: LaserScan) -> LaserScan:

@@ -147,13 +147,15 @@ class ForeignKeys:
 
 
 class _Publisher:
-    def __init__(self, publisher: zenoh.Publisher) -> None:
-        self._publisher = publisher
+    """Zenoh tells it who subscribes: to ask at each sample costs as much as to convert one."""
 
-    @property
-    def has_subscribers(self) -> bool:
-        status: Any = self._publisher.matching_status  # a MatchingStatus, whatever zenoh's stubs say
-        return bool(status.matching)
+    def __init__(self, publisher: zenoh.Publisher) -> None:
+        self.has_subscribers = False
+        self._publisher = publisher
+        self._listener = publisher.declare_matching_listener(self._matched)
+
+    def _matched(self, status: zenoh.MatchingStatus) -> None:
+        self.has_subscribers = status.matching
 
     def put(self, payload: bytes, attachment: bytes) -> None:
         self._publisher.put(payload, attachment=attachment)

@@ -28,7 +28,10 @@ STEP_MATCH = {
     "angle_variance_penalty": 0.005,
     "minimum_angle_penalty": 0.5,
 }
+ALIKE = 0.03  # response below which a scan has nothing in common with those before: a good one has 0.07 or more
+UNSURE = np.diag([1e-5, 1e-5, 1e-6])  # [m², m², rad²] variances of the steps in which matches are sought
 LOOP_MATCH = {"search_size": 2.0, "resolution": 0.05}  # [m]
+COARSE, FINE = 0.45, 0.6  # responses from which on a loop is closed
 INSTALL = "this plug-in needs yag-slam, which is under the GPL: pip install yag-slam opencv-python-headless"
 
 
@@ -101,6 +104,40 @@ class YagMapper:
             self._grid, self._drawn = OccupancyGrid(self._settings.resolution), 0
 
 
+class SureMatcher:
+    """Matches as yag-slam does, but lets a scan that resembles none stay where odometry led.
+
+    yag-slam takes the best of all poses even where none is good, as after a turn into what was never seen, and the
+    heading may then be off by as much as it searches. A covariance is never singular, or yag-slam could not use it.
+    """
+
+    def __init__(self, matcher: Any) -> None:  # noqa: ANN401
+        self._matcher = matcher
+
+    def match_scan(self, query: Any, base_scans: Any, penalty: bool, do_fine: bool) -> Any:  # noqa: ANN401
+        """Match a scan with those before it; see yag_slam.scan_matching."""
+        found = self._matcher.match_scan(query, base_scans, penalty, do_fine)
+        pose = found.best_pose if found.response >= ALIKE else query.corrected_pose
+        return found._replace(best_pose=pose, covariance=np.array(found.covariance) + UNSURE)
+
+
+class LoopMatcher:
+    """Finds a loop by a coarse match, and only where a fine one agrees: yag-slam would close it either way."""
+
+    def __init__(self, coarse: Any, fine: Any) -> None:  # noqa: ANN401
+        self._coarse, self._fine = coarse, fine
+
+    def match_scan(self, query: Any, base_scans: Any, penalty: bool, do_fine: bool) -> Any:  # noqa: ANN401
+        """Match a scan with those of long ago; the response is 0 where it is no loop."""
+        found = self._coarse.match_scan(query, base_scans, penalty, do_fine)
+        if found.response < COARSE:
+            return found
+        there = query.copy()
+        there.corrected_pose = found.best_pose
+        sure = self._fine.match_scan(there, base_scans, penalty, True).response >= FINE
+        return found if sure else found._replace(response=0.0)
+
+
 def _moved(step: Pose) -> bool:
     return step.x**2 + step.y**2 >= STEP**2 or abs(step.theta) >= TURN
 
@@ -126,12 +163,10 @@ def _graph(reach: float) -> Any:  # noqa: ANN401
         from yag_slam.scan_matching import Scan2DMatcherCpp
     except ImportError as error:
         raise ImportError(f"{error}; {INSTALL}") from error
+    fine = SureMatcher(Scan2DMatcherCpp(STEP_MATCH | {"range_threshold": reach}))
+    coarse = Scan2DMatcherCpp(LOOP_MATCH | {"range_threshold": reach}, loop=True)
     return GraphSlam(
-        Scan2DMatcherCpp(STEP_MATCH | {"range_threshold": reach}),
-        Scan2DMatcherCpp(LOOP_MATCH | {"range_threshold": reach}, loop=True),
-        scan_buffer_len=60,
-        min_response_coarse=0.45,
-        min_response_fine=0.6,
+        fine, LoopMatcher(coarse, fine), scan_buffer_len=60, min_response_coarse=COARSE, min_response_fine=FINE
     )
 
 

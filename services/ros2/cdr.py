@@ -50,7 +50,7 @@ class Writer:
         self.numbers("I", values.size)
         if values.size:
             self._align(values.itemsize)
-            self._bytes += values.astype(values.dtype.newbyteorder("<"), copy=False).tobytes()
+            self._bytes += np.ascontiguousarray(values, values.dtype.newbyteorder("<")).data.cast("B")
 
     def part(self, data: bytes) -> None:
         """Fields of no more than PART bytes each, which a Writer wrote for themselves."""
@@ -73,8 +73,13 @@ class Writer:
         """The message."""
         return bytes(self._bytes)
 
+    def body(self) -> bytes:
+        """The message without what all begin with."""
+        return bytes(self._bytes[len(HEADER) :])
+
     def _align(self, size: int) -> None:
-        self._bytes += bytes(-(len(self._bytes) - len(HEADER)) % size)
+        if past := (len(self._bytes) - len(HEADER)) % size:
+            self._bytes += bytes(size - past)
 
 
 class Reader:

@@ -26,6 +26,9 @@ PLANAR = [6 * row + column for row, column in product(PLANE, PLANE)]  # their pl
 NOT_MEASURED = 1e6  # variance of what no sensor measures
 UNMEASURED = [NOT_MEASURED if place % 7 == 0 else 0.0 for place in range(36)]
 HEADING_VARIANCE = 0.05  # [rad²] of the gyro's own heading, as kobuki_node has it
+HEADING_COVARIANCE = (NOT_MEASURED, 0.0, 0.0, 0.0, NOT_MEASURED, 0.0, 0.0, 0.0, HEADING_VARIANCE)
+NOT_KNOWN = (0.0,) * 9  # a covariance
+NO_ACCELERATION = (0.0, 0.0, 0.0, -1.0, *(0.0,) * 8)  # none, and of its covariance -1: there is none
 FLOAT32, POINT_STEP = 7, 16  # of a PointField; [bytes] of x, y, z and intensity
 POINT_FIELDS = ("x", "y", "z", "intensity")
 UNKNOWN, CHARGING, DISCHARGING, FULL = 0, 1, 2, 4  # power_supply_status
@@ -52,11 +55,13 @@ def laser_scan(scan: LaserScan, ranges: Ranges, frame: str, range_max: float) ->
 
 def point_cloud(scan: LaserScan, frame: str) -> bytes:
     """A sensor_msgs/PointCloud2 of a scan's numbers, in its own plane, with the evidence as intensity."""
-    hit = np.isfinite(scan.ranges)
-    points = np.zeros((np.count_nonzero(hit), len(POINT_FIELDS)), "<f4")
-    points[:, :2] = scan.ranges[hit][:, None] * directions(scan.grid())[hit]
+    hit = np.flatnonzero(np.isfinite(scan.ranges))
+    points = np.zeros((len(hit), len(POINT_FIELDS)), "<f4")
+    ranges = scan.ranges.take(hit)
+    for axis, direction in enumerate(directions(scan.grid())):
+        points[:, axis] = ranges * direction.take(hit)
     if len(scan.intensities):
-        points[:, 3] = scan.intensities[hit]
+        points[:, 3] = scan.intensities.take(hit)
     writer = Writer()
     writer.header(scan.stamp, frame)
     writer.numbers("I", 1, len(points))
@@ -83,9 +88,9 @@ def _point_fields() -> bytes:
 
 @lru_cache(maxsize=1)
 def directions(grid: Grid) -> NDArray[np.float32]:
-    """A metre along each beam, x and y: (beams, 2)."""
+    """A metre along each beam, x and y: (2, beams)."""
     angles = grid.angles()
-    return np.stack([np.cos(angles), np.sin(angles)], axis=1).astype(np.float32)
+    return np.stack([np.cos(angles), np.sin(angles)]).astype(np.float32)
 
 
 def odometry(message: Odometry, base_frame: str) -> bytes:
@@ -95,8 +100,8 @@ def odometry(message: Odometry, base_frame: str) -> bytes:
     writer = Writer()
     writer.header(message.stamp, message.frame)
     writer.text(base_frame)
-    writer.numbers("d", x, y, 0.0, *heading(theta), *_covariance(message.pose_covariance))
-    writer.numbers("d", linear, 0.0, 0.0, 0.0, 0.0, angular, *_covariance(message.twist_covariance))
+    pose = (x, y, 0.0, *heading(theta), *_covariance(message.pose_covariance))
+    writer.numbers("d", *pose, linear, 0.0, 0.0, 0.0, 0.0, angular, *_covariance(message.twist_covariance))
     return writer.payload()
 
 
@@ -117,9 +122,7 @@ def imu(message: Imu, frame: str) -> bytes:
     rates = samples[-3:].tolist() if len(samples) else (0.0, 0.0, message.heading_rate)
     writer = Writer()
     writer.header(message.stamp, frame)
-    writer.numbers("d", *heading(message.heading), *_diagonal(NOT_MEASURED, NOT_MEASURED, HEADING_VARIANCE))
-    writer.numbers("d", *rates, *_diagonal(0.0, 0.0, 0.0))  # 0: not known
-    writer.numbers("d", 0.0, 0.0, 0.0, *_diagonal(-1.0, 0.0, 0.0))  # -1: there is none
+    writer.numbers("d", *heading(message.heading), *HEADING_COVARIANCE, *rates, *NOT_KNOWN, *NO_ACCELERATION)
     return writer.payload()
 
 
@@ -186,7 +189,7 @@ def camera_info(message: DepthImage) -> bytes:
     writer.text("plumb_bob")
     writer.sequence(np.zeros(5))
     writer.numbers("d", fx, 0.0, cx, 0.0, fy, cy, 0.0, 0.0, 1.0)
-    writer.numbers("d", *_diagonal(1.0, 1.0, 1.0))
+    writer.numbers("d", 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)  # it is rectified already
     writer.numbers("d", fx, 0.0, cx, 0.0, 0.0, fy, cy, 0.0, 0.0, 0.0, 1.0, 0.0)
     writer.numbers("I", 0, 0, 0, 0, 0, 0)  # no binning, and the region is all of it
     writer.numbers("?", False)
@@ -229,8 +232,3 @@ def _covariance(planar: Sequence[float]) -> list[float]:
     for place, value in zip(PLANAR, planar, strict=True):
         matrix[place] = value
     return matrix
-
-
-def _diagonal(x: float, y: float, z: float) -> tuple[float, ...]:
-    """A diagonal matrix 3 x 3, row by row."""
-    return x, 0.0, 0.0, 0.0, y, 0.0, 0.0, 0.0, z

@@ -36,8 +36,7 @@ def range_max(slam_range: float) -> float:
 
 def for_slam(scan: LaserScan, known: Ranges, slam_range: float) -> Ranges:
     """/scan: whatever stands or ends where ground is known up to it, or a number beyond slam_range; else NaN."""
-    safe = safe_ranges(scan, known, slam_range)
-    return np.where(np.isinf(safe), np.float32(range_max(slam_range) - SHORT), safe)
+    return safe_ranges(scan, known, slam_range, beyond=range_max(slam_range) - SHORT)
 
 
 def for_marking(scan: LaserScan, slam_range: float) -> Ranges:

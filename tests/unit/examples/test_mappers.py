@@ -2,6 +2,8 @@
 
 import math
 import sys
+from types import SimpleNamespace
+from typing import NamedTuple
 
 import numpy as np
 import pytest
@@ -10,7 +12,7 @@ from examples.slam import settings
 from examples.slam.odometry_map import OdometryMapper
 from examples.slam.pose import Pose
 from examples.slam.wire import read_scan
-from examples.slam.yag import YagMapper
+from examples.slam.yag import LoopMatcher, YagMapper
 from tests.unit.examples.room import CAMERA, ROOM, START, Room, box, drifting, lap, payload
 
 TOLD = settings.read("test", None, [])
@@ -94,3 +96,17 @@ def test_a_missing_package_is_named_with_the_command_that_installs_it(monkeypatc
     monkeypatch.setitem(sys.modules, "yag_slam.graph_slam", None)
     with pytest.raises(ImportError, match="pip install yag-slam"):
         YagMapper(TOLD)
+
+
+class Matching(NamedTuple):
+    """What a matcher of yag-slam answers."""
+
+    response: float
+    best_pose: object = None
+
+
+@pytest.mark.parametrize(("coarse", "fine", "response"), [(0.5, 0.7, 0.5), (0.5, 0.5, 0.0), (0.3, 0.9, 0.3)])
+def test_a_loop_is_closed_only_where_the_fine_match_agrees(coarse, fine, response):
+    matchers = [SimpleNamespace(match_scan=lambda *_, found=found: Matching(found)) for found in (coarse, fine)]
+    scan = SimpleNamespace(copy=SimpleNamespace)
+    assert LoopMatcher(*matchers).match_scan(scan, [], False, False).response == response

@@ -69,6 +69,27 @@ def test_a_rectangle_passes_a_door_that_its_turning_circle_does_not_fit():
     assert drive.steady(0.0, TURN, ticks=200).allowed.angular < 0.3
 
 
+@pytest.mark.parametrize("way", [1, -1])
+def test_a_robot_whose_tail_may_not_swing_goes_straight_on_until_it_may(way):
+    drive = rectangle(start_free=2.0)
+    drive.tick(0.0)
+    wall = [(0.04 * step - 0.02, -way * 0.30) for step in range(-20, 1)]
+    remember(drive, *wall)
+    nearest = []
+    for _ in range(60):
+        drive.go(0.35, way * TURN, ticks=10)
+        nearest.append(near(drive, wall))
+    assert min(nearest) > 0.05 - 0.02 * math.sqrt(2)
+    assert abs(drive.pose.theta) > math.radians(90.0)
+
+
+def test_a_robot_that_is_to_turn_alone_does_not_go_on():
+    drive = rectangle()
+    drive.tick(0.0)
+    remember(drive, *((0.04 * step - 0.02, -0.30) for step in range(-20, 1)))
+    assert drive.go(0.0, TURN, ticks=200).x == 0.0
+
+
 def test_a_robot_that_drives_brakes_before_it_turns_on_the_spot():
     drive = rectangle()
     drive.go(0.4, ticks=60)

@@ -63,6 +63,22 @@ def test_a_distance_is_that_of_the_border_and_negative_inside(corners, point):
     assert (measured < 0.0) == Polygon(corners).covers(*alone(point))[0]
 
 
+@given(hulls, st.lists(places, max_size=6), st.floats(0.01, 0.3))
+def test_the_nearest_of_points_is_as_near_as_its_distance(corners, points, most):
+    points = np.array(points).reshape(-1, 2).T
+    for hull in (Polygon(corners), Disc(0.3)):
+        assert hull.nearest(points, hull.rim + most) == hull.measure(points).min(initial=hull.rim + most)
+
+
+@given(hulls, places, sides, curvatures)
+def test_corners_may_go_either_way_round(corners, point, side, curvature):
+    found, again = (
+        Polygon(each).on_arc(alone(point), side, curvature, KEPT, KEPT) for each in (corners, corners[::-1])
+    )
+    assert found.point == again.point
+    assert found.distance == pytest.approx(again.distance)
+
+
 @given(hulls, st.floats(-math.pi, math.pi))
 def test_a_point_of_the_rim_is_on_the_border_in_its_direction(corners, bearing):
     x, y = Polygon(corners).on_rim(np.array([bearing]))
