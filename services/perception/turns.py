@@ -44,6 +44,11 @@ class Turns:
             self._had = {each: had for each, had in self._had.items() if had > self._level}
             return robot, list(self._waiting.pop(robot))
 
+    def drop(self, robot: str) -> None:
+        """Forget the samples of a robot."""
+        with self._arrived:
+            self._waiting.pop(robot, None)
+
     def spent(self, robot: str, seconds: float) -> None:
         """The robot's turn took so long."""
         with self._arrived:

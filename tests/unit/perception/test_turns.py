@@ -34,6 +34,15 @@ def test_only_the_newest_samples_of_a_robot_wait(turns):
     assert turns.take(0.0) == ("a", [bytes([number]) for number in range(2, ROOM + 2)])
 
 
+def test_what_a_robot_sent_can_be_forgotten(turns):
+    for robot in "ab":
+        turns.put(robot, b"")
+    turns.drop("a")
+    turns.drop("c")
+    assert turns.take(0.0) == ("b", [b""])
+    assert turns.take(0.0) is None
+
+
 def test_a_robot_that_never_stops_has_every_other_turn(turns):
     for robot in "ab":
         turns.put(robot, b"")
