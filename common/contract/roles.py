@@ -80,7 +80,7 @@ def _service(
     return Role(name, what, publishes, receives, services or (name,), answers=answers)
 
 
-PERCEPTION = ("perception", "negative", "positive", "fuse")
+PERCEPTION = ("perception", "perception-$*", "negative", "positive", "fuse")  # one of several processes by its name
 
 ROLES: tuple[Role, ...] = (
     _service("capture", "the camera", (DEPTH, DESCRIPTION, *SENT), (SCAN_FUSED, DESCRIPTION, BACK)),
@@ -91,7 +91,7 @@ ROLES: tuple[Role, ...] = (
         "perception",
         "negative, positive and fuse in one process",
         (SCAN_NEGATIVE, SCAN_OF_METHOD, SCAN_POSITIVE, *FUSED),
-        (DEPTH, DESCRIPTION, SCAN, BACK),
+        (DEPTH, DESCRIPTION, SCAN, BACK, STATUS),
         services=PERCEPTION,
     ),
     _service(

@@ -10,7 +10,7 @@ from collections.abc import Iterable
 from typing import NamedTuple
 
 PERIOD = 0.5  # [s] over which frames are counted
-FULL = 0.9  # of the time that frames may take; what is above makes them wait for one another
+FULL = 0.9  # of the time that frames may take where not all are taken, lest they wait for one another
 
 
 class Share(NamedTuple):
@@ -67,7 +67,9 @@ class Admission:
         turns, busy = self._turns, self._busy
         self._began, self._turns, self._busy = now, 0, 0.0
         rates = {robot: count / span for robot, count in offered.items()}
-        limit = fair_limit(rates.values(), FULL * turns / busy) if busy else math.inf
+        capacity = turns / busy if busy else math.inf
+        is_full = sum(rates.values()) > (FULL if self.shares else 1.0) * capacity
+        limit = fair_limit(rates.values(), FULL * capacity) if is_full else math.inf
         shares = {robot: Share(limit, rate) for robot, rate in sorted(rates.items()) if rate > limit}
         spread = {robot: number / len(shares) for number, robot in enumerate(shares)}  # lest all come at once
         self._credit = spread | {robot: credit for robot, credit in self._credit.items() if robot in shares}

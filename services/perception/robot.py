@@ -93,7 +93,7 @@ class RobotPerception:
 
     def not_taken(self) -> None:
         """A depth image was dropped as it came, for there is no time for all."""
-        self._decoder.count("not_taken")
+        self._services[NAME].metrics.count("not_taken")
 
     def refused(self, why: MessageError) -> None:
         """A depth image was malformed."""

@@ -23,7 +23,7 @@ def test_a_limit_leaves_what_there_is_and_takes_from_the_greediest_alone(offered
 
 
 def drive(offered, cost, seconds):
-    """Frames of each robot at its rate [Hz], worked on one after another; those that were taken [Hz], in the end, and how long one waited."""
+    """Frames of each robot at its rate [Hz], worked on in turn; what was taken [Hz] in the end, longest wait [s]."""
     admission, taken, now = Admission(0.0), dict.fromkeys(offered, 0), 0.0
     due, waiting, free = {robot: 1.0 / rate for robot, rate in offered.items()}, [], 0.0
     late = []
