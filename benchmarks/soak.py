@@ -5,8 +5,7 @@
 This process is the robot's router and its camera: it publishes a frame as soon as the last one is answered by a fused
 scan, or lost. In the first quarter each process is killed in turn. Malformed frames come all the time, and now and then
 a process is held for a while. Memory is looked at after that quarter, of processes that live to the end. 9 hours' worth
-of frames are --frames 1000000; a line for each tenth in out/soak.log says
-how they fare.
+of frames are --frames 1000000; out/soak.log has a line for each tenth.
 """
 
 import argparse

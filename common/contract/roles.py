@@ -80,7 +80,7 @@ def _service(
     return Role(name, what, publishes, receives, services or (name,), answers=answers)
 
 
-PERCEPTION = ("perception", "perception-$*", "negative", "positive", "fuse")  # one of several processes by its name
+PERCEPTION = ("perception", "negative", "positive", "fuse")
 
 ROLES: tuple[Role, ...] = (
     _service("capture", "the camera", (DEPTH, DESCRIPTION, *SENT), (SCAN_FUSED, DESCRIPTION, BACK)),

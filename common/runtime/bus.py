@@ -320,14 +320,18 @@ class Bus:
         self._watch(f"{self.robot}/{alive('*')}", lambda key, here: changed(key.rpartition("/")[2], here))
 
     def watch_robots(self, changed: Callable[[str, str, bool], None]) -> None:
-        """Call `changed(robot, service, alive)` as watch_alive(); the bus's own robot may be EVERY."""
+        """Call `changed(robot, service, alive)` as watch_alive(), from two threads; the bus's own robot may be EVERY.
+
+        Of one of several processes that would be a service, the service is `service/name`.
+        """
         middle = f"/{alive('')}"
 
         def split(key: str, here: bool) -> None:
             robot, _, service = key.rpartition(middle)
             changed(robot, service, here)
 
-        self._watch(f"{self.robot}/{alive('*')}", split)
+        for service in ("*", "*/*"):
+            self._watch(f"{self.robot}/{alive(service)}", split)
 
     def join(self, group: str, name: str) -> None:
         """Be a member of a group of processes, which belongs to no robot, until the session's end."""

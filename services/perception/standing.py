@@ -11,7 +11,7 @@ from enum import Enum, auto
 from cliffscan.common.contract.topics import WORKSTATION
 from cliffscan.services.perception.shares import balanced, heaviest
 
-CLAIM = "perception-"  # and the name of a process: its token below a robot that it serves, or would serve
+CLAIM = "perception/"  # and the name of a process: its token for a robot that it serves, or would serve
 PARTS = ("negative", "positive", "fuse", "perception")  # whose tokens are held by what serves a robot
 SETTLED = 0.15  # [s] in which tokens that were declared at the same time have reached everybody
 MOST = 64  # robots that a process of the fleet claims

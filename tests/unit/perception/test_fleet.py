@@ -70,7 +70,7 @@ def test_a_robot_is_served_from_its_first_good_image_on(every, bus, clock):
     every._take("a", [image(8)])
     assert stamps(bus, "a") == [7, 8]
     claim, *tokens = bus.of["a"].announced
-    assert claim.startswith("perception-")
+    assert claim.startswith("perception/")
     assert set(tokens) == {"negative", "positive", "fuse", "perception"}
 
 
@@ -121,9 +121,9 @@ def test_more_robots_than_can_be_served_are_told_of(every, bus, clock, caplog):
 
 
 def test_the_image_of_a_robot_that_another_process_served_is_not_answered_again(every, bus, clock):
-    every._standings.token("a", "perception-other", True)
+    every._standings.token("a", "perception/other", True)
     every._take("a", [image(7)])
-    every._standings.token("a", "perception-other", False)
+    every._standings.token("a", "perception/other", False)
     settle(every, clock)
     every._take("a", [image(8)])
     assert stamps(bus, "a") == [8]
@@ -133,7 +133,7 @@ def test_the_samples_of_a_robot_that_is_left_are_not_worked_on(every, bus, clock
     every._take("a", [image(7)])
     settle(every, clock)
     every._arrived("a", image(8))
-    every._news.append(lambda: every._standings.token("a", "perception-own", True))
+    every._news.append(lambda: every._standings.token("a", "perception/own", True))
     settle(every, clock)
     assert bus.of["a"].retracted == 4
     assert every._turns.take(0.0) is None
