@@ -52,7 +52,7 @@ class Fleet:
         self._metrics = ServiceMetrics()  # of what belongs to no robot that is served
         self._paces: dict[str, Pace] = {}
         self._standings = Standings(self._me, names, now)
-        self._news: deque[Callable[[], None]] = deque()  # of other processes, for the thread that serves
+        self._news: deque[Callable[[], object]] = deque()  # of other processes, for the thread that serves
         self._reviewed = now
         self._claims: dict[str, Bus] = {}  # with the token of each robot that is claimed
         self._published: dict[str, float] = {}  # [s], when each robot that nobody named last published
@@ -100,10 +100,13 @@ class Fleet:
 
     def _status_of(self, service: str, robot: str) -> bool:
         """Another process published its status as one of SINGLE; what it says does not matter."""
-        if self._standings.of(robot) is Standing.SERVES:
-            self._news.append(partial(self._standings.status, robot, time.monotonic()))
-            self._metrics.warn_limited("yielded", f"{robot}: another {service} serves it, and goes before this process")
+        if robot in self._robots:
+            self._news.append(partial(self._yield, service, robot))
         return False
+
+    def _yield(self, service: str, robot: str) -> None:
+        if self._standings.status(robot, time.monotonic()):
+            self._metrics.warn_limited("yielded", f"{robot}: another {service} serves it, and goes before this process")
 
     def _wanted(self, name: str) -> bool:
         """Whether a sample of a robot is looked at: there is room, its rate is none of a flood, and it is served here.

@@ -66,13 +66,16 @@ class Standings:
             if not kept[robot]:
                 del kept[robot]
 
-    def status(self, robot: str, now: float) -> None:
-        """A service of another process published its status as negative, positive or fuse of a robot.
+    def status(self, robot: str, now: float) -> bool:
+        """Another process published its status as negative, positive or fuse of a robot; whether this one yields to it.
 
         Tokens of one name are one to those that hold it too, so who serves a robot learns of another from this alone.
+        Where another member claims the robot, the status is that one's, and the claims decide.
         """
-        if self.of(robot) is Standing.SERVES:
+        yields = self.of(robot) is Standing.SERVES and not self._claims.get(robot, set()) & self._members
+        if yields:
             self._yielded[robot] = now
+        return yields
 
     def of(self, robot: str) -> Standing:
         """What this process is for a robot."""

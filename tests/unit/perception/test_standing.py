@@ -230,3 +230,23 @@ def test_a_start_takes_no_longer_than_tokens_need():
     net.start("m", ["a"])
     net.run(SETTLED + 3 * TICK)
     assert net.serving("a") == ["m"]
+
+
+def test_two_members_that_did_not_see_each_other_for_a_while_agree_by_their_claims():
+    net = Net(["a"])
+    for name in "mn":
+        net.processes[name] = Process(net, name, None)
+    for name in "mn":
+        for _ in range(40):
+            net.now += TICK
+            net.processes[name].step(["a"])
+            net.processes["n" if name == "m" else "m"].news.clear()
+    assert net.serving("a") == ["m", "n"]
+    for name, other in ("mn", "nm"):
+        standings = net.processes[name].standings
+        standings.member(other, True)
+        standings.token("a", f"{CLAIM}{other}", True)
+        assert not standings.status("a", net.now)
+    for process in net.processes.values():
+        process.step(["a"])
+    assert len(net.serving("a")) == 1
