@@ -175,8 +175,8 @@ def tables(count: Count) -> list[Table]:
     rate = count.sent / max(count.seconds, 1.0)
     row = (count.sent, f"{rate:.0f}", count.lost, count.lost_in_faults, count.bad, count.held)
     rows = [
-        (name, str(count.killed[name]), str(count.restarted[name]), *memory(looks))
-        for name, looks in count.memory.items()
+        (name, str(count.killed[name]), str(count.restarted[name]), *memory(count.memory[name]))
+        for name in sorted({*count.memory, *count.killed, *count.restarted})
     ]
     headings = ("process", "killed", "restarted", "MiB: first", "last", "most", "per 100,000 frames")
     return [
@@ -187,6 +187,8 @@ def tables(count: Count) -> list[Table]:
 
 def memory(looks: list[tuple[int, float]]) -> list[str]:
     """Resident memory at first, at last and at most, and its growth, fitted over the second half of the looks."""
+    if not looks:
+        return ["–"] * 4
     frames, resident = np.array(looks[len(looks) // 2 :]).T
     growth = 1e5 * np.polyfit(frames, resident, 1)[0] if len(frames) > 2 else np.nan
     values = [value for _, value in looks]
