@@ -188,7 +188,7 @@ def tables(count: Count) -> list[Table]:
 def memory(looks: list[tuple[int, float]]) -> list[str]:
     """Resident memory at first, at last and at most, and its growth, fitted over the second half of the looks."""
     if not looks:
-        return ["–"] * 4
+        return ["-"] * 4
     frames, resident = np.array(looks[len(looks) // 2 :]).T
     growth = 1e5 * np.polyfit(frames, resident, 1)[0] if len(frames) > 2 else np.nan
     values = [value for _, value in looks]

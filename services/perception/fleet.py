@@ -75,7 +75,7 @@ class Fleet:
                 self._take(*turn)
                 spent = time.monotonic() - began
                 self._turns.spent(turn[0], spent)
-                self._admission.worked(spent)
+                self._admission.worked(turn[0], spent)
             self._review()
 
     def publish_statuses(self) -> None:

@@ -37,7 +37,7 @@ def drive(offered, cost, seconds):
         if waiting and free <= now:
             came, robot = waiting.pop(0)
             free = now + cost[robot]
-            admission.worked(cost[robot])
+            admission.worked(robot, cost[robot])
             if now > seconds / 2:
                 taken[robot] += 1
                 late.append(now - came)
@@ -71,15 +71,23 @@ def test_a_flood_is_what_is_limited():
     assert late < 0.08
 
 
+def test_large_frames_cost_small_ones_nothing():
+    offered = {"large": 200.0, "small": 60.0}
+    admission, taken, _ = drive(offered, {"large": 0.01, "small": 0.001}, 8.0)
+    assert taken["small"] == pytest.approx(60.0, rel=0.1)
+    assert taken["large"] == pytest.approx((FULL - 0.06) / 0.01, rel=0.15)
+    assert admission.shares.keys() == {"large"}
+
+
 def test_a_limit_goes_when_there_is_time_again():
     admission = Admission(0.0)
     for _ in range(100):
         admission.takes("a")
-    admission.worked(PERIOD)
+    admission.worked("a", PERIOD)
     assert admission.review(PERIOD)
     assert admission.shares
     admission.takes("a")
-    admission.worked(0.01)
+    admission.worked("a", 0.01)
     assert not admission.review(1.5 * PERIOD)
     assert admission.review(2 * PERIOD)
     assert admission.shares == {}

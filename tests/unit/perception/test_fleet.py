@@ -148,7 +148,7 @@ def test_more_frames_than_there_is_time_for_are_told_of(every, bus, clock, caplo
         for robot in "ab" * 30:
             clock.now += 1 / 60
             if every._wanted(robot):
-                every._admission.worked(1 / 36)
+                every._admission.worked(robot, 1 / 36)
         every._review()
     every._take("a", [image(8)])
     every.publish_statuses()
