@@ -46,15 +46,15 @@ class Admission:
         self._busy: defaultdict[str, float] = defaultdict(float)  # [s] since `_began`
         self._costs: dict[str, float] = {}  # [s] of a frame of each robot
 
-    def takes(self, robot: str) -> bool:
-        """A frame of a robot comes; whether it is to be taken."""
+    def takes(self, robot: str, is_idle: bool) -> bool:
+        """A frame of a robot comes; whether it is to be taken, as every one is that meets an idle process."""
         self._offered[robot] += 1
         share = self.shares.get(robot)
         if share is None:
             return True
         credit = self._credit[robot] + share.taken / share.offered
-        taken = credit >= 1.0
-        self._credit[robot] = credit - taken
+        taken = is_idle or credit >= 1.0
+        self._credit[robot] = max(credit - taken, -1.0)
         return taken
 
     def worked(self, robot: str, seconds: float) -> None:

@@ -125,7 +125,7 @@ class Fleet:
             return not self._knows(name, now) or self._standings.is_new(name)
         if name in self._published:
             self._published[name] = now
-        taken = self._admission.takes(name)
+        taken = self._admission.takes(name, self._turns.is_idle())
         if not taken:
             robot.not_taken()
         return taken

@@ -32,7 +32,7 @@ def drive(offered, cost, seconds):
         for robot, rate in offered.items():
             if due[robot] <= now:
                 due[robot] += 1.0 / rate
-                if admission.takes(robot):
+                if admission.takes(robot, not waiting and free <= now):
                     waiting = [each for each in waiting if each[1] != robot] + [(now, robot)]
         if waiting and free <= now:
             came, robot = waiting.pop(0)
@@ -82,11 +82,12 @@ def test_large_frames_cost_small_ones_nothing():
 def test_a_limit_goes_when_there_is_time_again():
     admission = Admission(0.0)
     for _ in range(100):
-        admission.takes("a")
-    admission.worked("a", PERIOD)
+        admission.takes("a", False)
+        admission.worked("a", PERIOD / 50)
     assert admission.review(PERIOD)
     assert admission.shares
-    admission.takes("a")
+    assert admission.takes("a", True)
+    assert not admission.takes("a", False)
     admission.worked("a", 0.01)
     assert not admission.review(1.5 * PERIOD)
     assert admission.review(2 * PERIOD)

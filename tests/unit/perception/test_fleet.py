@@ -144,6 +144,7 @@ def test_more_frames_than_there_is_time_for_are_told_of(every, bus, clock, caplo
     for robot in "ab":
         every._take(robot, [image(7)])
     settle(every, clock)
+    every._turns.put("b", b"")  # it waits: the process is not idle
     for _ in range(2):
         for robot in "ab" * 30:
             clock.now += 1 / 60

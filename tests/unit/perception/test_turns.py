@@ -43,6 +43,16 @@ def test_what_a_robot_sent_can_be_forgotten(turns):
     assert turns.take(0.0) is None
 
 
+def test_it_is_idle_when_nothing_waits_and_the_last_turn_is_spent(turns):
+    assert turns.is_idle()
+    turns.put("a", b"")
+    assert not turns.is_idle()
+    turns.take(0.0)
+    assert not turns.is_idle()
+    turns.spent("a", 0.1)
+    assert turns.is_idle()
+
+
 def test_a_robot_that_never_stops_has_every_other_turn(turns):
     for robot in "ab":
         turns.put(robot, b"")
