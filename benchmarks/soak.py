@@ -1,11 +1,11 @@
 """Frames through the workstation's part of a robot under faults: what is lost, restarted, and how memory grows.
 
-    python -m benchmarks.soak [--frames 20000] [--kills 12]
+    python -m benchmarks.soak [--frames 20000] [--kills 12] [--perception]
 
 This process is the robot's router and its camera: it publishes a frame as soon as the last one is answered by a fused
 scan, or lost. In the first quarter each process is killed in turn. Malformed frames come all the time, and now and then
-a process is held for a while. Memory is looked at after that quarter, of processes that live to the end. 8 hours' worth
-of frames are --frames 1000000.
+a process is held for a while. Memory is looked at after that quarter, of processes that live to the end. 9 hours' worth
+of frames are --frames 1000000; out/soak.log has a line for each tenth.
 """
 
 import argparse
@@ -45,8 +45,17 @@ HELD = 0.3  # [s] for which a process is stopped
 HOLD_EVERY, BAD_EVERY = 997, 53  # frames
 OUT = Path("out/soak.log")  # what the services say
 LOOKS = 200  # at memory
+TENTHS = 10  # of the frames, after each of which a line is logged
+REAL_TIME = 30.0  # [Hz]
 BAD: tuple[dict[str, object], ...] = ({"data": b"x"}, {"encoding": "jpeg"}, {"floor": (0.0, 0.0, 0.0, 1.0)})
 MIB = 2**20
+
+
+log = logging.getLogger(__name__)
+
+
+class NoAnswer(Exception):
+    """The processes do not recover from a fault."""
 
 
 @dataclass
@@ -62,6 +71,14 @@ class Count:
     restarted: Counter[str] = field(default_factory=Counter)
     memory: dict[str, list[tuple[int, float]]] = field(default_factory=lambda: defaultdict(list))
     seconds: float = 0.0
+
+    def line(self) -> str:
+        """How it fares so far."""
+        newest = ", ".join(f"{name} {looks[-1][1]:.1f} MiB" for name, looks in self.memory.items())
+        faults = f"{self.killed.total()} killed, {self.restarted.total()} restarted, {self.held} held"
+        lost = f"{self.lost} lost, {self.lost_in_faults} in faults"
+        pace = f"{self.sent} frames, {self.sent / self.seconds / REAL_TIME:.1f} times real time"
+        return f"{pace}; {lost}; {faults}; {newest}"
 
 
 class Soak:
@@ -80,7 +97,7 @@ class Soak:
         """Wait for the first answer."""
         self._recover(0, STARTING)
 
-    def run(self, frames: int, kills: int, stop: StopSignal) -> Count:
+    def run(self, frames: int, kills: int, stop: StopSignal) -> None:
         """Let the frames through, or as many as there are until told to stop."""
         count, began = self.count, time.monotonic()
         quarter, names = frames // 4, list(self._children)
@@ -98,8 +115,9 @@ class Soak:
             count.lost += not self._answered(seq, ANSWER)
             if seq > quarter and seq % (frames // LOOKS or 1) == 0:
                 self._look(seq)
-        count.seconds = time.monotonic() - began
-        return count
+            count.seconds = time.monotonic() - began
+            if seq % (frames // TENTHS or 1) == 0:
+                log.info("%s", count.line())
 
     def _put(self, seq: int, wrong: dict[str, object] | None = None) -> int:
         """Publish a frame; its stamp."""
@@ -140,12 +158,12 @@ class Soak:
         self._recover(seq, RECOVERY)
 
     def _recover(self, seq: int, longest: float) -> None:
-        """Publish frames until one is answered. Raises SystemExit where none is."""
+        """Publish frames until one is answered. Raises NoAnswer where none is."""
         deadline = time.monotonic() + longest
         while not self._answered(seq, ANSWER / 4):
             self.count.lost_in_faults += 1
             if time.monotonic() > deadline:
-                raise SystemExit(f"no frame was answered for {longest:.0f} s")
+                raise NoAnswer(f"no frame was answered for {longest:.0f} s, after {seq} frames")
 
     def _look(self, seq: int) -> None:
         for name, pid in self._pids.items():
@@ -154,11 +172,11 @@ class Soak:
 
 def tables(count: Count) -> list[Table]:
     """The figures for people."""
-    rate = count.sent / count.seconds
+    rate = count.sent / max(count.seconds, 1.0)
     row = (count.sent, f"{rate:.0f}", count.lost, count.lost_in_faults, count.bad, count.held)
     rows = [
-        (name, str(count.killed[name]), str(count.restarted[name]), *memory(looks))
-        for name, looks in count.memory.items()
+        (name, str(count.killed[name]), str(count.restarted[name]), *memory(count.memory[name]))
+        for name in sorted({*count.memory, *count.killed, *count.restarted})
     ]
     headings = ("process", "killed", "restarted", "MiB: first", "last", "most", "per 100,000 frames")
     return [
@@ -169,6 +187,8 @@ def tables(count: Count) -> list[Table]:
 
 def memory(looks: list[tuple[int, float]]) -> list[str]:
     """Resident memory at first, at last and at most, and its growth, fitted over the second half of the looks."""
+    if not looks:
+        return ["-"] * 4
     frames, resident = np.array(looks[len(looks) // 2 :]).T
     growth = 1e5 * np.polyfit(frames, resident, 1)[0] if len(frames) > 2 else np.nan
     values = [value for _, value in looks]
@@ -179,23 +199,32 @@ def main() -> None:
     """Run once and print."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--frames", type=int, default=20_000)
+    parser.add_argument("--perception", action="store_true", help="one process makes all scans")
     parser.add_argument("--kills", type=int, default=12, help="in the first quarter, of each process in turn")
     options = parser.parse_args()
-    logging.basicConfig(level=logging.ERROR)
+    logging.basicConfig(level=logging.ERROR, format="%(asctime)s %(message)s")
+    log.setLevel(logging.INFO)
     robot, name, stop = free_endpoint(), f"soak-{uuid.uuid4().hex[:8]}", StopSignal()
     images = drawn(LEVELS, pitch=1.0)
     OUT.parent.mkdir(parents=True, exist_ok=True)
     OUT.write_text("")
+    failure = ""
+    plan = Plan(name, [free_endpoint()], [robot], part=WORKSTATION, perception=options.perception)
     with (
         ServiceLog(OUT),
         Bus(Network("router", listen=[robot]), name) as bus,
-        System(Plan(name, [free_endpoint()], [robot], part=WORKSTATION), stop) as system,
+        System(plan, stop) as system,
     ):
         soak = Soak(system, bus, images)
-        soak.start()
-        count = soak.run(options.frames, options.kills, stop)
-    for table in tables(count):
+        try:
+            soak.start()
+            soak.run(options.frames, options.kills, stop)
+        except NoAnswer as error:  # what was counted until then is worth knowing
+            failure = str(error)
+    for table in tables(soak.count):
         Console().print(f"\n{table.title}", table.rich())
+    if failure:
+        raise SystemExit(failure)
 
 
 if __name__ == "__main__":

@@ -91,7 +91,7 @@ ROLES: tuple[Role, ...] = (
         "perception",
         "negative, positive and fuse in one process",
         (SCAN_NEGATIVE, SCAN_OF_METHOD, SCAN_POSITIVE, *FUSED),
-        (DEPTH, DESCRIPTION, SCAN, BACK),
+        (DEPTH, DESCRIPTION, SCAN, BACK, STATUS),
         services=PERCEPTION,
     ),
     _service(

@@ -121,7 +121,7 @@ def command(name: str) -> str:
 
 
 def alive(service: str) -> str:
-    """Path of a service's liveliness token."""
+    """Path of a service's liveliness token; of `service/name` that of one of several processes that would be it."""
     return f"alive/{service}"
 
 

@@ -25,8 +25,8 @@ class Grant(NamedTuple):
 # Everybody learns who subscribes and who is alive: publishers stay silent where nobody does.
 EVERYBODY = (
     Grant(OUT, ("declare_subscriber", "declare_queryable"), ("**",)),
-    Grant(IN, ("liveliness_query", "declare_liveliness_subscriber"), (alive("*"),)),
-    Grant(OUT, ("liveliness_token", "reply"), (alive("*"),)),
+    Grant(IN, ("liveliness_query", "declare_liveliness_subscriber"), (alive("*"), alive("*/*"))),
+    Grant(OUT, ("liveliness_token", "reply"), (alive("*"), alive("*/*"))),
 )
 ANY_ROBOT = f"**/{alive('*')}"  # the question which robots there are; the answer is about this one
 
@@ -72,7 +72,8 @@ def grants(role: Role) -> Iterator[Grant]:
         yield Grant(IN, ("declare_subscriber",), ("**",) if role.wild else received)
         yield Grant(OUT, ("put",), received)
     if role.services:
-        yield Grant(IN, ("liveliness_token",), tuple(map(alive, role.services)))
+        of_processes = [f"{service}/*" for service in role.services]
+        yield Grant(IN, ("liveliness_token",), tuple(map(alive, [*role.services, *of_processes])))
     if answered := (*_paths(kept), *map(command, role.answers)):
         yield Grant(IN, ("declare_queryable", "reply"), answered)
         yield Grant(OUT, ("query",), answered)

@@ -28,6 +28,7 @@ ROOM = 256  # samples that may wait for a program that must not miss any
 REQUESTS = 8  # that may wait at a path
 RATE = 200.0  # [Hz] at which the requests at a path are answered
 AGAIN = 0.05  # [s] after which a question that found nothing is put again
+FLEET = "fleet"  # beginning of the keys of groups, which are no robot's
 EVERY = "**"  # robot, where a name may have several parts
 LATCH_TIMEOUT = 1.0  # [s] for what is kept to come
 LATCH_TRIES = 10  # for it where who keeps it is too busy to answer
@@ -150,10 +151,12 @@ class Bus:
         room: int,
         wanted: Callable[[str], bool],
         refused: Callable[[str, MessageError], object],
+        of_others: bool = False,
     ) -> None:
         """Call `receive(robot, payload)` for the samples on `path` of each robot whose sample is `wanted(robot)`.
 
-        The bus's own robot may be EVERY. What is not wanted is not copied. Otherwise as subscribe().
+        The bus's own robot may be EVERY. What is not wanted is not copied. of_others: not what this session published.
+        Otherwise as subscribe().
         """
         suffix = len(path) + 1
 
@@ -168,12 +171,18 @@ class Bus:
             else:
                 receive(robot, payload)
 
-        self._subscribe(f"{self.robot}/{path}", deliver, room, None)
+        self._subscribe(f"{self.robot}/{path}", deliver, room, None, of_others)
 
     def _subscribe(
-        self, key: str, deliver: Callable[[str, zenoh.Sample], None], room: int, pace: Pace | None
+        self,
+        key: str,
+        deliver: Callable[[str, zenoh.Sample], None],
+        room: int,
+        pace: Pace | None,
+        of_others: bool = False,
     ) -> Callable[[], None]:
         """Call `deliver(key, sample)` for every sample that was put, until what is returned is called."""
+        origin = zenoh.Locality.REMOTE if of_others else zenoh.Locality.ANY
         ended = threading.Event()
 
         def take(sample: zenoh.Sample) -> None:
@@ -181,7 +190,7 @@ class Bus:
                 deliver(str(sample.key_expr), sample)
 
         try:
-            source = self._session.declare_subscriber(key, zenoh.handlers.RingChannel(room))
+            source = self._session.declare_subscriber(key, zenoh.handlers.RingChannel(room), allowed_origin=origin)
         except zenoh.ZError as error:
             path = key.removeprefix(f"{self.robot}/")
             raise BusError(f"{path!r} is no key: {first_line(error)}") from error
@@ -308,13 +317,38 @@ class Bus:
 
     def watch_alive(self, changed: Callable[[str, bool], None]) -> None:
         """Call `changed(service, alive)` for every service that works, and whenever that changes."""
+        self._watch(f"{self.robot}/{alive('*')}", lambda key, here: changed(key.rpartition("/")[2], here))
+
+    def watch_robots(self, changed: Callable[[str, str, bool], None]) -> None:
+        """Call `changed(robot, service, alive)` as watch_alive(), from two threads; the bus's own robot may be EVERY.
+
+        Of one of several processes that would be a service, the service is `service/name`.
+        """
+        middle = f"/{alive('')}"
+
+        def split(key: str, here: bool) -> None:
+            robot, _, service = key.rpartition(middle)
+            changed(robot, service, here)
+
+        for service in ("*", "*/*"):
+            self._watch(f"{self.robot}/{alive(service)}", split)
+
+    def join(self, group: str, name: str) -> None:
+        """Be a member of a group of processes, which belongs to no robot, until the session's end."""
+        self._declared.append(self._session.liveliness().declare_token(f"{FLEET}/{group}/{name}"))
+
+    def watch_members(self, group: str, changed: Callable[[str, bool], None]) -> None:
+        """Call `changed(name, here)` for every member of a group, this process too, and whenever that changes."""
+        self._watch(f"{FLEET}/{group}/*", lambda key, here: changed(key.rpartition("/")[2], here))
+
+    def _watch(self, pattern: str, changed: Callable[[str, bool], None]) -> None:
+        """Call `changed(key, here)` for the liveliness tokens on a pattern, those of now and whenever one changes."""
 
         def deliver(sample: zenoh.Sample) -> None:
-            changed(str(sample.key_expr).rpartition("/")[2], sample.kind == zenoh.SampleKind.PUT)
+            changed(str(sample.key_expr), sample.kind == zenoh.SampleKind.PUT)
 
-        key = f"{self.robot}/{alive('*')}"
         ring: zenoh.handlers.RingChannel[zenoh.Sample] = zenoh.handlers.RingChannel(ROOM)
-        source = self._session.liveliness().declare_subscriber(key, ring, history=True)
+        source = self._session.liveliness().declare_subscriber(pattern, ring, history=True)
         self._declared.append(source)
         self._readers.read(source, deliver)
 

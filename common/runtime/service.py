@@ -25,6 +25,7 @@ from cliffscan.common.runtime.alive_file import mark_alive
 from cliffscan.common.runtime.bus import Bus, Publisher
 from cliffscan.common.runtime.config import ConfigError, ServiceConfig
 from cliffscan.common.runtime.decoder import Decoder
+from cliffscan.common.runtime.kept_memory import keep_freed_memory
 from cliffscan.common.runtime.latest_queue import LatestQueue
 from cliffscan.common.runtime.metrics import ServiceMetrics
 from cliffscan.common.runtime.network import BusError, Network, NotConnected
@@ -213,6 +214,7 @@ def execute(
         sys.stdout.write(configuration.dump(configs))
         parser.exit(0)
     logging.basicConfig(level=logging.INFO, format=f"%(asctime)s %(levelname)s {name}: %(message)s")
+    keep_freed_memory()
     try:
         for config in configs.values():
             config.check()

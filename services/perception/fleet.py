@@ -1,70 +1,82 @@
-"""The robots that perception serves: those that are named, or every one that publishes depth images."""
+"""The robots that perception serves: those that are named, or its share of all that publish depth images."""
 
 import logging
 import threading
 import time
-from collections.abc import Mapping, Sequence
+import uuid
+from collections import deque
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from typing import Any
 
 from cliffscan.common.contract import topics
 from cliffscan.common.contract.message import MessageError
 from cliffscan.common.contract.messages import DepthImage
 from cliffscan.common.perception.scans import WARMUP_IMAGE
+from cliffscan.common.runtime.alive_file import mark_alive
 from cliffscan.common.runtime.bus import EVERY, Bus
 from cliffscan.common.runtime.metrics import ServiceMetrics
 from cliffscan.common.runtime.pace import Pace
 from cliffscan.common.runtime.service import PATIENCE, RATE, StopSignal, package_version
 from cliffscan.services.negative.scans import compile_kernels
+from cliffscan.services.perception.admission import Admission
 from cliffscan.services.perception.perceive import Settings, perceive
-from cliffscan.services.perception.robot import RobotPerception
-from cliffscan.services.perception.turns import MOST, Turns
+from cliffscan.services.perception.robot import NAME, RobotPerception
+from cliffscan.services.perception.standing import CLAIM, MOST, Standing, Standings
+from cliffscan.services.perception.turns import Turns
 
 SILENCE = 10.0  # [s] after which a robot that nobody named is served no more
 BURST = 32  # samples that may wait to be sorted; and so many of one robot may come at once
+KNOWN = 1024  # robots that may be known, whichever process serves them
+SINGLE = ("negative", "positive", "fuse")  # services that serve one robot, and go before this process
 
 log = logging.getLogger(__name__)
 
 
 class Fleet:
-    """Serves robots in turn, each by the newest of its depth images.
+    """Serves robots in turn, each by the newest of its depth images, as far as no other process does.
 
     A robot that nobody named is served from its first good depth image on, until it has been silent for SILENCE.
     """
 
     def __init__(self, bus: Bus, names: Sequence[str] | None, configs: Mapping[str, Any], stop: StopSignal) -> None:
         """names: of the robots to serve; None for every one."""
+        now = time.monotonic()
         self._bus = bus
         self._names = names
         self._configs = configs
         self._stop = stop
+        self._me = uuid.uuid4().hex[:8]
         self._turns = Turns()
-        self._strangers = ServiceMetrics()  # of robots that are not served
+        self._admission = Admission(now)
+        self._metrics = ServiceMetrics()  # of what belongs to no robot that is served
         self._paces: dict[str, Pace] = {}
-        self._lock = threading.Lock()  # over the two below, of which the statuses are published from another thread
+        self._standings = Standings(self._me, names, now)
+        self._news: deque[Callable[[], object]] = deque()  # of other processes, for the thread that serves
+        self._reviewed = now
+        self._claims: dict[str, Bus] = {}  # with the token of each robot that is claimed
+        self._published: dict[str, float] = {}  # [s], when each robot that nobody named last published
+        self._first: dict[str, bytes] = {}  # the newest image of a robot that is new and not served yet
+        self._lock = threading.Lock()  # over the robots, of which the statuses are published from another thread
         self._robots: dict[str, RobotPerception] = {}
-        self._seen: dict[str, float] = {}  # [s], when each robot that nobody named last had a turn
 
     def serve(self) -> None:
         """Answer depth images until the process is told to end."""
         compile_kernels(self._configs["negative"])
         perceive(WARMUP_IMAGE, Settings(self._configs["negative"], self._configs["positive"]))
-        for name in self._names or ():
-            self._add(name)
-        for name in [EVERY] if self._names is None else self._names:
-            self._bus.beside(name).subscribe_robots(
-                topics.DEPTH.path, self._arrived, BURST, self._wanted, self._refused
-            )
+        self._subscribe()
         self._stop.patient = True
-        for robot in self._robots.values():
-            robot.announce()
+        mark_alive(True)
         log.info("ready for %s, version %s", ", ".join(self._names or ["every robot"]), package_version())
         while not self._stop.is_set():
             turn = self._turns.take(PATIENCE)
             if turn:
                 began = time.monotonic()
                 self._take(*turn)
-                self._turns.spent(turn[0], time.monotonic() - began)
-            self._leave_silent()
+                spent = time.monotonic() - began
+                self._turns.spent(turn[0], spent)
+                self._admission.worked(turn[0], spent)
+            self._review()
 
     def publish_statuses(self) -> None:
         """Publish how every robot fares."""
@@ -72,16 +84,57 @@ class Fleet:
             for robot in self._robots.values():
                 robot.publish_statuses()
 
+    def _subscribe(self) -> None:
+        """Receive what robots and other processes publish; then be one of the fleet, where every robot is served."""
+        standings = self._standings
+        self._bus.watch_members(NAME, lambda *news: self._news.append(partial(standings.member, *news)))
+        for name in [EVERY] if self._names is None else self._names:
+            bus = self._bus.beside(name)
+            bus.watch_robots(lambda *news: self._news.append(partial(standings.token, *news)))
+            bus.subscribe_robots(topics.DEPTH.path, self._arrived, BURST, self._wanted, self._refused)
+            for service in SINGLE:
+                path = topics.STATUS.named(service).path
+                bus.subscribe_robots(path, _nothing, BURST, partial(self._status_of, service), _nothing, of_others=True)
+        if self._names is None:
+            self._bus.join(NAME, self._me)
+
+    def _status_of(self, service: str, robot: str) -> bool:
+        """Another process published its status as one of SINGLE; what it says does not matter."""
+        if robot in self._robots:
+            self._news.append(partial(self._yield, service, robot))
+        return False
+
+    def _yield(self, service: str, robot: str) -> None:
+        if self._standings.status(robot, time.monotonic()):
+            self._metrics.warn_limited("yielded", f"{robot}: another {service} serves it, and goes before this process")
+
     def _wanted(self, name: str) -> bool:
-        """Whether there is room for a sample of a robot, of which no more than RATE are taken."""
+        """Whether a sample of a robot is looked at: there is room, its rate is none of a flood, and it is served here.
+
+        Of a robot that is not known yet a sample is looked at, too, and of one that is new and soon to be served.
+        """
         now = time.monotonic()
         pace = self._paces.setdefault(name, Pace(RATE, BURST))
-        if len(self._paces) > 2 * MOST:
+        if len(self._paces) > 2 * KNOWN:
             self._paces = {name: pace}
         if pace.delay(now) > 0.0 or not self._turns.admits(name):
             return False
         pace.spend(now)
-        return True
+        robot = self._robots.get(name)
+        if robot is None:
+            return not self._knows(name, now) or self._standings.is_new(name)
+        if name in self._published:
+            self._published[name] = now
+        taken = self._admission.takes(name, self._turns.is_idle())
+        if not taken:
+            robot.not_taken()
+        return taken
+
+    def _knows(self, name: str, now: float) -> bool:
+        """Whether a robot that nobody named publishes good images, which it does now."""
+        if name in self._published:
+            self._published[name] = now
+        return name in self._published or self._names is not None
 
     def _arrived(self, name: str, payload: bytes) -> None:
         if not self._turns.put(name, payload) and (robot := self._robots.get(name)):
@@ -92,46 +145,94 @@ class Fleet:
         if robot:
             robot.refused(why)
         else:
-            self._strangers.warn_limited("malformed", f"{topics.DEPTH.key(name)}: {why}")
+            self._metrics.warn_limited("malformed", f"{topics.DEPTH.key(name)}: {why}")
 
     def _take(self, name: str, payloads: Sequence[bytes]) -> None:
-        robot = self._robots.get(name) or self._discovered(name, payloads)
-        if not robot:
-            return
-        robot.take(payloads)
-        if name in self._seen:
-            self._seen[name] = time.monotonic()
+        robot = self._robots.get(name)
+        if robot:
+            robot.take(payloads)
+        elif self._is_good(name, payloads) and self._standings.is_new(name):
+            self._first[name] = payloads[-1]
 
-    def _discovered(self, name: str, payloads: Sequence[bytes]) -> RobotPerception | None:
-        """A robot that publishes a good depth image for the first time; None where it does not, or there is no room."""
+    def _is_good(self, name: str, payloads: Sequence[bytes]) -> bool:
+        """Whether a robot that is not served publishes good depth images; it is known then."""
+        if self._knows(name, time.monotonic()):
+            return True
         faults = [_fault(payload) for payload in payloads]
         if None not in faults:
             for fault in filter(None, faults):
                 self._refused(name, fault)
-            return None
-        if len(self._robots) >= MOST:
-            self._strangers.warn_limited("too_many", f"{name}: {MOST} robots are served already; start another process")
-            return None
-        robot = self._add(name)
-        self._seen[name] = time.monotonic()
-        robot.announce()
-        log.info("serves %s", name)
-        return robot
+            return False
+        if len(self._published) >= KNOWN:
+            self._metrics.warn_limited("too_many", f"{name}: {KNOWN} robots are known already")
+            return False
+        self._published[name] = time.monotonic()
+        return True
 
-    def _add(self, name: str) -> RobotPerception:
+    def _review(self) -> None:
+        """Now and then, and when something is new: see which robots are to be served, and how many of their frames."""
+        now = time.monotonic()
+        if self._admission.review(now):
+            self._limit()
+        if not self._news and now - self._reviewed < PATIENCE / 2:
+            return
+        self._reviewed = now
+        while self._news:
+            self._news.popleft()()
+        for name in [name for name, at in self._published.items() if now - at > SILENCE]:
+            del self._published[name]
+            self._first.pop(name, None)
+            self._standings.forget(name)
+        for name, standing in self._standings.review(self._published.keys(), now).items():
+            self._become(name, standing)
+        for name in self._standings.beyond:
+            why = f"{name}: {MOST} robots are served already; start another process"
+            self._metrics.warn_limited("too_many", why)
+
+    def _become(self, name: str, standing: Standing) -> None:
+        """Hold the token of a claim, serve, or leave a robot."""
+        if standing is not Standing.SERVES and name in self._robots:
+            self._leave(name)
+        if standing is Standing.AWAY:
+            self._claims.pop(name).withdraw()
+        elif name not in self._claims:
+            self._claims[name] = self._bus.beside(name)
+            self._claims[name].announce(f"{CLAIM}{self._me}")
+        if standing is Standing.SERVES:
+            self._begin(name)
+
+    def _begin(self, name: str) -> None:
         robot = RobotPerception(self._bus, name, self._configs, self._stop)
         with self._lock:
             self._robots[name] = robot
-        return robot
+        robot.announce()
+        log.info("serves %s", name)
+        first = self._first.pop(name, None)
+        if first and self._standings.is_new(name):  # still: else whoever served it has answered this image
+            robot.take([first])
 
-    def _leave_silent(self) -> None:
-        """Take back what was declared for robots that have been silent for too long."""
-        now = time.monotonic()
-        for name in [name for name, at in self._seen.items() if now - at > SILENCE]:
-            with self._lock:
-                del self._seen[name]
-                self._robots.pop(name).retract()
-            log.info("%s is silent", name)
+    def _leave(self, name: str) -> None:
+        with self._lock:
+            robot = self._robots.pop(name)
+        self._turns.drop(name)
+        robot.retract()
+        log.info("leaves %s", name)
+
+    def _limit(self) -> None:
+        """Say of which robots not all frames are taken."""
+        shares = self._admission.shares
+        for name, robot in self._robots.items():
+            share = shares.get(name)
+            robot.limited = f"{share.taken:.0f} of {share.offered:.0f} frames a second are taken" if share else ""
+        if shares:
+            each = ", ".join(f"{name} {share.taken:.0f} of {share.offered:.0f}" for name, share in shares.items())
+            self._metrics.warn_limited(
+                "overloaded", f"frames a second that are taken: {each}; serve some by another process"
+            )
+
+
+def _nothing(*_: object) -> None:
+    """What is looked at nowhere else needs no work."""
 
 
 def _fault(payload: bytes) -> MessageError | None:

@@ -50,6 +50,7 @@ class RobotPerception:
         for name, source in fuse.config.inputs.items():
             fuse.receive(topics.scan(source.key), partial(self._fuser.take, name), ROOM)
         self._handover = Handover()
+        self.limited = ""  # that not all frames are taken, and how many
         self._publishing = threading.Lock()  # what is decided first leaves first
         whole.receive(OFFERED, self._offered)
 
@@ -84,11 +85,15 @@ class RobotPerception:
         """The frame's scan with the robot's extra inputs, whoever perceived the frame."""
         if self._fuser.publish(pair):
             self._services[NAME].metrics.output(pair.positive.stamp)
-        self._services[NAME].note = self._services["fuse"].note or note
+        self._services[NAME].note = "; ".join(filter(None, (self._services["fuse"].note or note, self.limited)))
 
     def overtaken(self) -> None:
         """A depth image made room for a newer one."""
         self._decoder.count("overtaken")
+
+    def not_taken(self) -> None:
+        """A depth image was dropped as it came, for there is no time for all."""
+        self._services[NAME].metrics.count("not_taken")
 
     def refused(self, why: MessageError) -> None:
         """A depth image was malformed."""
@@ -105,6 +110,6 @@ class RobotPerception:
             service.publish_status()
 
     def retract(self) -> None:
-        """Take back all that was declared for the robot."""
+        """Take back all that was declared for the robot, the token of perception last."""
         for service in self._services.values():
             service.bus.retract()

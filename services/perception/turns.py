@@ -19,11 +19,17 @@ class Turns:
         self._waiting: dict[str, deque[bytes]] = {}
         self._had: dict[str, float] = {}  # [s]; a robot that is not in it has had `_level`
         self._level = 0.0
+        self._at_work = False
 
     def admits(self, robot: str) -> bool:
         """Whether there is room for a sample of this robot."""
         with self._arrived:
             return robot in self._waiting or len(self._waiting) < MOST
+
+    def is_idle(self) -> bool:
+        """Whether nothing waits and the last turn has been spent."""
+        with self._arrived:
+            return not (self._waiting or self._at_work)
 
     def put(self, robot: str, sample: bytes) -> bool:
         """Add a sample. False where an older one of the same robot had to make room."""
@@ -41,13 +47,20 @@ class Turns:
                 return None
             robot = min(self._waiting, key=self._time_of)
             self._level = self._time_of(robot)
+            self._at_work = True
             self._had = {each: had for each, had in self._had.items() if had > self._level}
             return robot, list(self._waiting.pop(robot))
+
+    def drop(self, robot: str) -> None:
+        """Forget the samples of a robot."""
+        with self._arrived:
+            self._waiting.pop(robot, None)
 
     def spent(self, robot: str, seconds: float) -> None:
         """The robot's turn took so long."""
         with self._arrived:
             self._had[robot] = self._time_of(robot) + seconds
+            self._at_work = False
 
     def _time_of(self, robot: str) -> float:
         """Time [s] that a robot has had; one that asked for less than others has no claim to make up for it."""

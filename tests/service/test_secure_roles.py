@@ -41,7 +41,7 @@ READS = {
     "negative": {DEPTH},
     "positive": {DEPTH, "description"},
     "fuse": SCANS - {"scan/negative/near_edge"},
-    "perception": {DEPTH, "description", *SCANS} - {"scan/negative/near_edge"},
+    "perception": {DEPTH, "description", *SCANS, *STATUSES} - {"scan/negative/near_edge"},
     "kobuki": {VELOCITY, FUSED, "description"},
     "gate": {VELOCITY, FUSED, "base/odom", "base/state", "description"},
     "base": {SAFE, "base/safety"},

@@ -34,6 +34,25 @@ def test_only_the_newest_samples_of_a_robot_wait(turns):
     assert turns.take(0.0) == ("a", [bytes([number]) for number in range(2, ROOM + 2)])
 
 
+def test_what_a_robot_sent_can_be_forgotten(turns):
+    for robot in "ab":
+        turns.put(robot, b"")
+    turns.drop("a")
+    turns.drop("c")
+    assert turns.take(0.0) == ("b", [b""])
+    assert turns.take(0.0) is None
+
+
+def test_it_is_idle_when_nothing_waits_and_the_last_turn_is_spent(turns):
+    assert turns.is_idle()
+    turns.put("a", b"")
+    assert not turns.is_idle()
+    turns.take(0.0)
+    assert not turns.is_idle()
+    turns.spent("a", 0.1)
+    assert turns.is_idle()
+
+
 def test_a_robot_that_never_stops_has_every_other_turn(turns):
     for robot in "ab":
         turns.put(robot, b"")

@@ -1,0 +1,147 @@
+"""Which robots a process claims and serves, by what it knows of the others' tokens.
+
+A robot passes from one process to another without two of them publishing: the first withdraws its tokens when it has
+published its last scan, and the second begins when all of them have been away for SETTLED.
+"""
+
+from collections import defaultdict
+from collections.abc import Collection
+from enum import Enum, auto
+
+from cliffscan.common.contract.topics import WORKSTATION
+from cliffscan.services.perception.shares import balanced, heaviest
+
+CLAIM = "perception/"  # and the name of a process: its token for a robot that it serves, or would serve
+PARTS = ("negative", "positive", "fuse", "perception")  # whose tokens are held by what serves a robot
+SETTLED = 0.15  # [s] in which tokens that were declared at the same time have reached everybody
+MOST = 64  # robots that a process of the fleet claims
+REMEMBERED = 1024  # robots of which it is known that others served them
+YIELDED = 3.0  # [s] after the last status of another service in which a robot is left to it
+
+
+class Standing(Enum):
+    """What a process is for a robot."""
+
+    AWAY = auto()
+    CLAIMS = auto()  # it holds a claim, and serves when nobody else does, or stands by
+    SERVES = auto()
+
+
+class Standings:
+    """What this process, by its name `me`, is for each robot. Times [s] are the caller's, on any clock.
+
+    named: the robots that it was started for; None where it serves every one, as a member of the fleet.
+    """
+
+    def __init__(self, me: str, named: Collection[str] | None, now: float) -> None:
+        self._me = me
+        self._named = named
+        self._began = now
+        self._members: set[str] = set()
+        self._claims: defaultdict[str, set[str]] = defaultdict(set)  # of others
+        self._services: defaultdict[str, set[str]] = defaultdict(set)  # PARTS that are alive, ours too
+        self._held: set[str] = set()  # robots that were served or claimed, of late
+        self.beyond: set[str] = set()  # robots that fall to this process and are more than MOST
+        self._of: dict[str, Standing] = {}
+        self._free_since: dict[str, float] = {}
+        self._yielded: dict[str, float] = {}  # when a service that serves the robot alone last published its status
+
+    def member(self, name: str, here: bool) -> None:
+        """Another process of the fleet came or went."""
+        if name != self._me:
+            (self._members.add if here else self._members.discard)(name)
+
+    def token(self, robot: str, service: str, here: bool) -> None:
+        """A token below a robot's name came or went; those of this process count only as tokens of services."""
+        kept, name = (self._services, service) if service in PARTS else (self._claims, service.removeprefix(CLAIM))
+        if name == self._me or (service not in PARTS and not service.startswith(CLAIM)):
+            return
+        if here:
+            kept[robot].add(name)
+            if len(self._held) >= REMEMBERED:
+                self._held.clear()
+            self._held.add(robot)
+        elif robot in kept:
+            kept[robot].discard(name)
+            if not kept[robot]:
+                del kept[robot]
+
+    def status(self, robot: str, now: float) -> bool:
+        """Another process published its status as negative, positive or fuse of a robot; whether this one yields to it.
+
+        Tokens of one name are one to those that hold it too, so who serves a robot learns of another from this alone.
+        Where another member claims the robot, the status is that one's, and the claims decide.
+        """
+        yields = self.of(robot) is Standing.SERVES and not self._claims.get(robot, set()) & self._members
+        if yields:
+            self._yielded[robot] = now
+        return yields
+
+    def of(self, robot: str) -> Standing:
+        """What this process is for a robot."""
+        return self._of.get(robot, Standing.AWAY)
+
+    def is_new(self, robot: str) -> bool:
+        """Whether nobody has served or claimed a robot: no scan of its newest image can have been published."""
+        return robot not in self._held
+
+    def forget(self, robot: str) -> None:
+        """A robot has been silent: it is new when it comes back."""
+        self._held.discard(robot)
+
+    def review(self, robots: Collection[str], now: float) -> dict[str, Standing]:
+        """What changes for which robot, of those that publish; from now on it is so."""
+        if self._named is None and now - self._began < SETTLED:
+            return {}  # others' claims may not have come yet
+        ours = self._ours(robots)
+        if self._named is None:
+            room = MOST - len(ours & self._of.keys())
+            self.beyond = set(sorted(ours - self._of.keys())[max(room, 0) :])
+            ours -= self.beyond
+        found = {robot: self._standing(robot, ours, now) for robot in {*ours, *(self._named or ()), *self._of}}
+        changes = {robot: standing for robot, standing in found.items() if standing is not self.of(robot)}
+        self._of = {robot: standing for robot, standing in found.items() if standing is not Standing.AWAY}
+        return changes
+
+    def _ours(self, robots: Collection[str]) -> set[str]:
+        """The robots that fall to this process, whoever serves them now."""
+        if self._named is not None:
+            return {robot for robot in self._named if self._goes_first(robot, self._by_name(robot))}
+        members = {self._me, *self._members}
+        holders = {robot: heaviest(robot, held) for robot, claims in self._claims.items() if (held := claims & members)}
+        for robot in self._of:
+            if self._goes_first(robot, self._claims.get(robot, set())):
+                holders[robot] = self._me
+        served = {robot for robot in robots if self._is_for_members(robot)}
+        of_members = {robot: member for robot, member in holders.items() if self._is_for_members(robot)}
+        shares = balanced(served, members, of_members)
+        return {robot for robot, member in shares.items() if member == self._me and robot in served}
+
+    def _by_name(self, robot: str) -> set[str]:
+        """The other processes that were started for a robot by its name."""
+        return self._claims.get(robot, set()) - self._members
+
+    def _goes_first(self, robot: str, others: Collection[str]) -> bool:
+        return heaviest(robot, {self._me, *others}) == self._me
+
+    def _is_for_members(self, robot: str) -> bool:
+        """Whether a robot is served by the fleet. What works for a robot's own perception is served only beside one."""
+        served, slash, last = robot.rpartition("/")
+        if slash and last == WORKSTATION and not self._by_name(served):
+            return False
+        return not self._by_name(robot)
+
+    def _standing(self, robot: str, ours: Collection[str], now: float) -> Standing:
+        before = self.of(robot)
+        stands_by = Standing.CLAIMS if self._named is not None else Standing.AWAY
+        yields = now - self._yielded.get(robot, -YIELDED) < YIELDED
+        if robot not in ours or yields:
+            self._free_since.pop(robot, None)
+            return stands_by
+        if before is Standing.SERVES:
+            return before
+        if robot in self._services or (robot in self._claims and before is Standing.AWAY and self._named is None):
+            self._free_since.pop(robot, None)
+            return stands_by
+        settled = now - self._free_since.setdefault(robot, now) >= SETTLED
+        return Standing.SERVES if settled and before is Standing.CLAIMS else Standing.CLAIMS
