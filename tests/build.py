@@ -176,6 +176,10 @@ class Bus:
         self.withdrawn = 0
         self.receivers: dict[str, Callable[[str, bytes], object]] = {}
         self.on_announce = lambda: None
+        self.watchers: dict[str, Callable[[str, bool], None]] = {}
+
+    def beside(self, robot):
+        return SimpleNamespace(watch_alive=lambda changed: self.watchers.update({robot: changed}))
 
     def publisher(self, topic):
         return SimpleNamespace(put=self.said[topic.path].append, has_subscribers=True)

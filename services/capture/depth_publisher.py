@@ -14,6 +14,7 @@ from cliffscan.services.capture.sources.depth_source import DepthFrame
 from cliffscan.services.capture.thinning import thinned
 from cliffscan.services.capture.window import Size, Window
 
+PERCEPTION = "perception"  # the service whose token tells that a workstation perceives, too
 THIN = "the link is thin: depth images have the rows that matter and every second column"
 
 
@@ -58,6 +59,8 @@ class DepthPublisher:
         self._all = Stream(service, topics.DEPTH, topics.SCAN_FUSED, self._period)
         of_workstation = topics.at_workstation(topics.DEPTH), topics.at_workstation(topics.SCAN_FUSED)
         self._workstation = Stream(service, *of_workstation, self._period)
+        self._is_served = False  # a perception works there
+        service.bus.beside(f"{service.bus.robot}/{topics.WORKSTATION}").watch_alive(self._changed)
         self._describe = service.bus.latch(topics.at_workstation(topics.DESCRIPTION))
         service.receive_latched(topics.DESCRIPTION, self._described)
 
@@ -68,9 +71,8 @@ class DepthPublisher:
 
     def put(self, seq: int, frame: DepthFrame) -> None:
         """Publish a frame, or hold it back."""
-        perceives_too = self._workstation.publisher.has_subscribers
-        whole = {self._all: Size.FULL if perceives_too else self._all.admit(seq)}
-        sizes = whole | ({self._workstation: self._workstation.admit(seq)} if perceives_too else {})
+        whole = {self._all: Size.FULL if self._is_served else self._all.admit(seq)}
+        sizes = whole | ({self._workstation: self._workstation.admit(seq)} if self._is_served else {})
         images = {size: self._image(seq, frame, size) for size in {*sizes.values()} if size}
         for stream, size in sizes.items():
             if size:
@@ -79,6 +81,11 @@ class DepthPublisher:
                 self._metrics.count("held_back")
         if sizes[self._all]:
             self._metrics.output(frame.stamp)
+
+    def _changed(self, service: str, alive: bool) -> None:
+        """A subscriber alone tells nothing: a recorder and a fleet's perception receive all keys."""
+        if service == PERCEPTION:
+            self._is_served = alive
 
     def _image(self, seq: int, frame: DepthFrame, size: Size) -> DepthImage:
         depth, camera = frame.depth, frame.camera

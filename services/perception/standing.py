@@ -125,11 +125,8 @@ class Standings:
         return heaviest(robot, {self._me, *others}) == self._me
 
     def _is_for_members(self, robot: str) -> bool:
-        """Whether a robot is served by the fleet. What works for a robot's own perception is served only beside one."""
-        served, slash, last = robot.rpartition("/")
-        if slash and last == WORKSTATION and not self._by_name(served):
-            return False
-        return not self._by_name(robot)
+        """Whether a robot is served by the fleet; what works for a robot's own perception is always named."""
+        return robot.rpartition("/")[2] != WORKSTATION and not self._by_name(robot)
 
     def _standing(self, robot: str, ours: Collection[str], now: float) -> Standing:
         before = self.of(robot)

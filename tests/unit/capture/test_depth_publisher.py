@@ -13,10 +13,14 @@ DEPTH = np.full((48, 64), 1500, np.uint16)
 HERE, THERE = "camera/depth", "workstation/camera/depth"
 
 
-def publish(frames, answered, **settings):
-    """What was published of frames, of which one was answered at these paths before; and what was held back."""
+def publish(frames, answered, there="perception", **settings):
+    """What was published of frames, of which one was answered at these paths before; and what was held back.
+
+    there: which service works at the workstation.
+    """
     service = build.service("capture", CaptureConfig(**settings))
     publisher = DepthPublisher(service)
+    service.bus.watchers[f"{service.bus.robot}/workstation"](there, True)
     for path in answered:
         service.bus.arrive(path, build.payload(build.scan_fields(seq=99)))
     for seq in range(frames):
@@ -29,6 +33,11 @@ def test_the_workstations_frames_wait_for_its_answers_and_the_robots_own_do_not(
     sent, held = publish(6, ["workstation/scan/fused", "scan/fused"])
     assert sent == {HERE: [*range(6)], THERE: [*range(FEW)]}
     assert held == 6 - FEW
+
+
+def test_without_a_perception_at_the_workstation_nothing_is_published_for_it():
+    """Whoever else receives there: a recorder and a fleet's perception receive all keys."""
+    assert publish(6, [], there="recorder") == ({HERE: [*range(6)], THERE: []}, 0)
 
 
 def test_where_nobody_answers_or_the_link_is_not_to_be_fitted_all_go():

@@ -188,17 +188,15 @@ def test_single_services_go_first_whenever_they_start(named):
     assert net.serving("a") == ["m"]
 
 
-def test_what_works_for_a_robots_own_perception_is_served_beside_one_alone():
+def test_what_works_for_a_robots_own_perception_is_always_named():
     net = Net(["a", "a/workstation"])
     net.start("m")
-    net.run(1.0)
-    assert (net.serving("a"), net.serving("a/workstation")) == (["m"], [])
     net.start("own", ["a"])
     net.run(1.0)
-    assert (net.serving("a"), net.serving("a/workstation")) == (["own"], ["m"])
-    net.kill("own")
+    assert (net.serving("a"), net.serving("a/workstation")) == (["own"], [])
+    net.start("half", ["a/workstation"])
     net.run(1.0)
-    assert (net.serving("a"), net.serving("a/workstation")) == (["m"], [])
+    assert (net.serving("a"), net.serving("a/workstation")) == (["own"], ["half"])
 
 
 def test_a_process_of_the_fleet_takes_no_more_than_it_may():
