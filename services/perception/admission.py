@@ -45,6 +45,7 @@ class Admission:
         self._turns: Counter[str] = Counter()
         self._busy: defaultdict[str, float] = defaultdict(float)  # [s] since `_began`
         self._costs: dict[str, float] = {}  # [s] of a frame of each robot
+        self._is_late = False  # a frame made room for a newer one since `_began`
 
     def takes(self, robot: str, is_idle: bool) -> bool:
         """A frame of a robot comes; whether it is to be taken, as every one is that meets an idle process."""
@@ -56,6 +57,10 @@ class Admission:
         taken = is_idle or credit >= 1.0
         self._credit[robot] = max(credit - taken, -1.0)
         return taken
+
+    def overtaken(self) -> None:
+        """A frame made room for a newer one: without that, there has been time for all."""
+        self._is_late = True
 
     def worked(self, robot: str, seconds: float) -> None:
         """A turn of a robot took so long."""
@@ -73,7 +78,8 @@ class Admission:
         self._began, self._turns, self._busy = now, Counter(), defaultdict(float)
         rates = {robot: count / span for robot, count in sorted(offered.items())}
         asked = {robot: rate * self._costs[robot] for robot, rate in rates.items()}  # of the time
-        is_full = sum(asked.values()) > (FULL if self.shares else 1.0)
+        is_full = sum(asked.values()) > FULL if self.shares else self._is_late and sum(asked.values()) > 1.0
+        self._is_late = False
         limit = fair_limit(asked.values(), FULL) if is_full else math.inf
         shares = {robot: Share(limit / self._costs[robot], rates[robot]) for robot in rates if asked[robot] > limit}
         spread = {robot: number / len(shares) for number, robot in enumerate(shares)}  # lest all come at once

@@ -137,7 +137,10 @@ class Fleet:
         return name in self._published or self._names is not None
 
     def _arrived(self, name: str, payload: bytes) -> None:
-        if not self._turns.put(name, payload) and (robot := self._robots.get(name)):
+        if self._turns.put(name, payload):
+            return
+        self._admission.overtaken()
+        if robot := self._robots.get(name):
             robot.overtaken()
 
     def _refused(self, name: str, why: MessageError) -> None:

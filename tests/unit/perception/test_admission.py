@@ -33,6 +33,8 @@ def drive(offered, cost, seconds):
             if due[robot] <= now:
                 due[robot] += 1.0 / rate
                 if admission.takes(robot, not waiting and free <= now):
+                    if any(each[1] == robot for each in waiting):
+                        admission.overtaken()
                     waiting = [each for each in waiting if each[1] != robot] + [(now, robot)]
         if waiting and free <= now:
             came, robot = waiting.pop(0)
@@ -50,6 +52,18 @@ def test_where_there_is_time_every_frame_is_taken():
     admission, taken, _ = drive(offered, dict.fromkeys(offered, 0.004), 8.0)
     assert admission.shares == {}
     assert taken == pytest.approx(offered, rel=0.1)
+
+
+def test_a_sender_that_waits_for_each_answer_is_never_limited():
+    """It asks for all the time that there is, with frames close behind one another, and is never late."""
+    admission, now = Admission(0.0), 0.0
+    for _ in range(2000):
+        assert admission.takes("r", is_idle=True)
+        assert admission.takes("r", is_idle=False)
+        for _ in range(2):
+            now += 0.004
+            admission.worked("r", 0.00401)
+        admission.review(now)
 
 
 def test_too_many_frames_are_shared_and_none_is_late():
