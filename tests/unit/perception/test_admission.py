@@ -98,6 +98,7 @@ def test_a_limit_goes_when_there_is_time_again():
     for _ in range(100):
         admission.takes("a", False)
         admission.worked("a", PERIOD / 50)
+    admission.overtaken()
     assert admission.review(PERIOD)
     assert admission.shares
     assert admission.takes("a", True)

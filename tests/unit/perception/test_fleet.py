@@ -9,6 +9,7 @@ from cliffscan.services.perception import fleet as module
 from cliffscan.services.perception.configs import load
 from cliffscan.services.perception.fleet import SILENCE, Fleet
 from cliffscan.services.perception.standing import MOST, SETTLED
+from cliffscan.services.perception.turns import ROOM
 from tests import build
 
 
@@ -144,7 +145,8 @@ def test_more_frames_than_there_is_time_for_are_told_of(every, bus, clock, caplo
     for robot in "ab":
         every._take(robot, [image(7)])
     settle(every, clock)
-    every._turns.put("b", b"")  # it waits: the process is not idle
+    for seq in range(ROOM + 1):  # they wait: the process is not idle
+        every._arrived("b", image(seq))
     for _ in range(2):
         for robot in "ab" * 30:
             clock.now += 1 / 60
