@@ -6,9 +6,10 @@ import logging
 from pathlib import Path
 
 from cliffscan.common.runtime.config import ServiceConfig
-from cliffscan.common.runtime.network import Network
+from cliffscan.common.runtime.network import Network, targets
 from cliffscan.common.runtime.secure import CERTIFICATE, CONFIG, Credentials
 from cliffscan.common.runtime.service import STATUS_PERIOD, Service, StopSignal, connect
+from cliffscan.joined import Joined
 
 log = logging.getLogger("cliffscan")
 
@@ -18,22 +19,30 @@ def route(network: Network, robot: str, name: str, stop: StopSignal) -> int:
 
     Zenoh reads the certificate of who listens, and the rules, when a session is opened and never again.
     """
+    token = f"router-{name}"
+    joined = Joined(token) if network.secure and targets(network) else None
     while not stop.is_set():
         bus = connect(network, robot, stop)
         if bus is None:
             break
         with bus:
-            _route_once(Service(f"router-{name}", ServiceConfig(), bus, stop), Files(network.secure), stop)
+            _route_once(Service(token, ServiceConfig(), bus, stop), Files(network.secure), joined, stop)
     return 0
 
 
-def _route_once(service: Service[ServiceConfig], files: Files, stop: StopSignal) -> None:
-    """Route until the process is asked to end, or its keys are renewed."""
+def _route_once(service: Service[ServiceConfig], files: Files, joined: Joined | None, stop: StopSignal) -> None:
+    """Route until the process is asked to end, its keys are renewed, or nothing passes."""
+    if joined:
+        joined.begin()
+        service.bus.watch_alive(joined.changed)
     service.ready()
     while not stop.wait(STATUS_PERIOD):
         service.publish_status()
         if files.changed():
             log.info("keys or rules were renewed: opening anew")
+            return
+        if joined and joined.is_shut(service.bus.connected):
+            log.warning("nothing passes, though the other router is reached: opening anew")
             return
 
 

@@ -19,7 +19,21 @@ STANDING = 25  # messages of odometry, half a second
 @pytest.mark.slow
 def test_a_ros_node_drives_the_robot_which_stops_at_the_stairs(client, run, start, sdk):  # noqa: F811
     ends = ["--listen", free_endpoint(), "--connect", client.endpoint]
-    run([sys.executable, "-m", "cliffscan", "up", "--robot", client.robot, "--world", "landing", *ends])
+    run(
+        [
+            sys.executable,
+            "-m",
+            "cliffscan",
+            "up",
+            "--robot",
+            client.robot,
+            "--world",
+            "landing",
+            "--set",
+            "capture.rate=15",
+            *ends,
+        ]
+    )
     start("ros2")
     for service in ("capture", "negative", "positive", "fuse", "kobuki"):
         client.wait_alive(service)

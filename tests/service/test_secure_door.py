@@ -194,6 +194,19 @@ def test_a_router_takes_up_renewed_keys(keys, run):
         wait_until(lambda: inside.alive() == {"router-here"})
 
 
+def test_a_router_that_is_joined_and_lets_nothing_pass_is_joined_anew(keys, run):
+    robot, join = secured_endpoint(), [*(sys.executable, "-m", "cliffscan", "router", "--name", "workstation")]
+    with opened(keys, "router", listen=robot) as session:
+        place = ["--robot", "r", "--secure", str(keys), "--connect", robot, "--listen", secured_endpoint()]
+        process = run([*join, *place])
+        process.wait_said("nothing passes, though the other router is reached: opening anew")
+        token = session.liveliness().declare_token("r/alive/router-robot")
+        shown = []
+        session.liveliness().declare_subscriber("r/alive/router-workstation", shown.append, history=True)
+        wait_until(lambda: shown)
+        token.undeclare()
+
+
 @pytest.fixture
 def two(made):
     """The robot's router and the workstation's, joined; endpoints by name."""
@@ -287,19 +300,3 @@ def test_a_service_works_across_two_routers(made, two, run):
             return fused and status
 
         wait_until(arrived)
-
-
-@pytest.mark.slow
-def test_up_starts_everything_over_tls(made, run):
-    endpoint = secured_endpoint()
-    place = ["--robot", "r", "--secure", str(made / "r"), "--listen", endpoint]
-    process = run([sys.executable, "-m", "cliffscan", "up", *place, "--set", "capture.rate=5"])
-    process.wait_said("router-")
-    process.wait_said("all services work")
-    with bus(made / "r", "viewer", endpoint) as viewer, bus(made / "r", "driver", endpoint) as driver:
-        fused = []
-        viewer.subscribe("scan/fused", lambda *each: fused.append(each))
-        wait_until(lambda: fused)
-        wait_until(lambda: driver.ask("base/command/stop", {}, 1.0))
-        assert viewer.ask("base/command/clear_safety", {}, 1.0) is None
-    assert "nothing passes" not in process.said
