@@ -32,16 +32,13 @@ def route(network: Network, robot: str, name: str, stop: StopSignal) -> int:
 
 def _route_once(service: Service[ServiceConfig], files: Files, joined: Joined | None, stop: StopSignal) -> None:
     """Route until the process is asked to end, its keys are renewed, or nothing passes."""
-    if joined:
-        joined.begin()
-        service.bus.watch_alive(joined.changed)
     service.ready()
     while not stop.wait(STATUS_PERIOD):
         service.publish_status()
         if files.changed():
             log.info("keys or rules were renewed: opening anew")
             return
-        if joined and joined.is_shut(service.bus.connected):
+        if joined and joined.is_shut(service.bus.connected, service.bus.alive()):
             log.warning("nothing passes, though the other router is reached: opening anew")
             return
 

@@ -4,6 +4,7 @@ import contextlib
 import copy
 import os
 import queue
+import runpy
 import signal
 import socket
 import subprocess
@@ -210,6 +211,20 @@ class Running:
         self._reader.join(DEADLINE)
         assert "Traceback" not in self.said, self.said
         return code
+
+
+@pytest.fixture
+def ask_here(monkeypatch, capsys):
+    """What `python -m MODULE OPTIONS` prints and how it ends, in this process: for what ends before anything starts."""
+
+    def ask(module, *options):
+        monkeypatch.setattr(sys, "argv", [module, *options])
+        with pytest.raises(SystemExit) as ended:
+            runpy.run_module(module, run_name="__main__", alter_sys=True)
+        printed = capsys.readouterr()
+        return subprocess.CompletedProcess(options, ended.value.code or 0, printed.out, printed.err)
+
+    return ask
 
 
 @pytest.fixture

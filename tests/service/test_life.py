@@ -18,6 +18,7 @@ def ask(service, *options):
     )
 
 
+CAPTURE = "services.capture"
 SIMULATOR = ("--set", "capture.source=simulator")
 
 
@@ -27,14 +28,15 @@ def needed(service):
 
 
 @pytest.mark.parametrize("service", CONFIGURED)
-def test_dump_config_reads_back_to_itself(service, tmp_path):
-    first = ask(service, "--dump-config")
+def test_dump_config_reads_back_to_itself(service, tmp_path, ask_here):
+    module = f"services.{service}"
+    first = ask_here(module, "--dump-config")
     assert first.returncode == 0
     shared = [table for table, readers in SHARED.items() if service in readers]
     assert list(tomllib.loads(first.stdout)) == [*shared, service]
     file = tmp_path / "config.toml"
     file.write_text(first.stdout)
-    assert ask(service, "--config", str(file), "--dump-config").stdout == first.stdout
+    assert ask_here(module, "--config", str(file), "--dump-config").stdout == first.stdout
 
 
 @pytest.mark.parametrize(
@@ -51,8 +53,8 @@ def test_dump_config_reads_back_to_itself(service, tmp_path):
         (["--robot", "a*b"], "no robot name"),
     ],
 )
-def test_a_bad_setting_is_refused_with_one_line(options, reason):
-    refused = ask("negative", *options)
+def test_a_bad_setting_is_refused_with_one_line(options, reason, ask_here):
+    refused = ask_here("services.negative", *options)
     assert refused.returncode == 2
     last = refused.stderr.strip().splitlines()[-1]
     assert reason in last
@@ -70,11 +72,11 @@ def test_capture_without_a_source_is_refused_before_it_looks_for_a_router():
     assert refused.stdout == ""
 
 
-def test_a_dump_tells_what_is_missing_and_can_be_filled_in(tmp_path):
+def test_a_dump_tells_what_is_missing_and_can_be_filled_in(tmp_path, ask_here):
     file = tmp_path / "config.toml"
-    file.write_text(ask("capture", "--dump-config").stdout)
+    file.write_text(ask_here(CAPTURE, "--dump-config").stdout)
     assert file.read_text().startswith("# capture.source is not set: choose one of ")
-    chosen = ask("capture", "--config", str(file), *SIMULATOR, "--dump-config").stdout
+    chosen = ask_here(CAPTURE, "--config", str(file), *SIMULATOR, "--dump-config").stdout
     assert tomllib.loads(chosen)["capture"]["source"] == "simulator"
     assert "is not set" not in chosen
 

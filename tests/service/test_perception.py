@@ -3,8 +3,6 @@
 import contextlib
 import itertools
 import signal
-import subprocess
-import sys
 import threading
 import time
 
@@ -32,6 +30,7 @@ PARTS = (*THREE, "perception")
 CAMERA = scenes.camera(160, 120, FloorPlane.from_mount(0.3, 0.2))
 HOLE, EMPTY = scenes.depth(CAMERA, [scenes.HOLE]), scenes.depth(CAMERA)
 SECOND = 1_000_000_000  # [ns]
+PERCEPTION = "services.perception"
 
 
 def perception(start, *options, robots):
@@ -74,7 +73,7 @@ def settled(status, **counts):
 LIDAR = ("--set", 'fuse.inputs.lidar={key="scan/lidar", x=0.1}')
 
 
-@pytest.mark.parametrize("options", [(), ("--set", "profile=paper"), LIDAR], ids=["default", "paper", "lidar"])
+@pytest.mark.parametrize("options", [("--set", "profile=paper"), LIDAR], ids=["paper", "default, lidar"])
 def test_every_scan_and_count_is_that_of_the_three_services(client, start, options):
     other = client.another()
     for service in THREE:
@@ -171,17 +170,12 @@ def test_a_robot_that_sends_no_image_is_not_discovered(client, start):
     assert not [reply for reply in tokens.get(f"{stranger.robot}/alive/*", timeout=5.0) if reply.ok]
 
 
-def ask(*options):
-    command = [sys.executable, "-m", "services.perception", *options]
-    return subprocess.run(command, capture_output=True, text=True, timeout=60, check=False)
-
-
-def test_dump_config_reads_back_to_itself(tmp_path):
-    first = ask("--set", "scan.beams=64", "--set", "fuse.timeout=0.3", "--dump-config")
+def test_dump_config_reads_back_to_itself(tmp_path, ask_here):
+    first = ask_here(PERCEPTION, "--set", "scan.beams=64", "--set", "fuse.timeout=0.3", "--dump-config")
     assert first.returncode == 0
     file = tmp_path / "config.toml"
     file.write_text(first.stdout)
-    assert ask("--config", str(file), "--dump-config").stdout == first.stdout
+    assert ask_here(PERCEPTION, "--config", str(file), "--dump-config").stdout == first.stdout
     assert "beams = 64" in first.stdout
 
 
@@ -194,8 +188,8 @@ def test_dump_config_reads_back_to_itself(tmp_path):
         (["--robot", "a*b"], "no robot name"),
     ],
 )
-def test_a_bad_setting_is_refused_with_one_line(options, reason):
-    refused = ask(*options)
+def test_a_bad_setting_is_refused_with_one_line(options, reason, ask_here):
+    refused = ask_here(PERCEPTION, *options)
     assert refused.returncode == 2
     assert reason in refused.stderr.strip().splitlines()[-1]
     assert "Traceback" not in refused.stderr

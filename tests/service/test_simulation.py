@@ -109,21 +109,6 @@ def test_an_unknown_world_is_refused(run, tmp_path):
     assert "simulator: no world is named 'atlantis'" in process.said
 
 
-def test_up_starts_a_robot_that_sees_and_drives(client, run):
-    ends = ["--listen", free_endpoint(), "--connect", client.endpoint]
-    words = ["cliffscan", "up", "--robot", client.robot, "--world", "random:5", *ends]
-    process = run([sys.executable, "-m", *words])
-    scans, odometry = client.listen("scan/fused"), client.listen("base/odom")
-    for service in ("capture", "negative", "positive", "fuse", "kobuki"):
-        client.wait_alive(service)
-    start = odometry.get()["pose"][2]
-    seen = scans.get()["ranges"]
-    while (told := odometry.get())["pose"][2] < start + 0.3:
-        client.put("base/cmd_vel", {"stamp": told["stamp"], "linear": 0.0, "angular": 0.5})
-    scans.until(lambda scan: scan["stamp"] > told["stamp"] and scan["ranges"] != seen)
-    assert "frames at" in process.said
-
-
 def test_up_refuses_an_unknown_world(run):
     process = run([sys.executable, "-m", "cliffscan", "up", "--world", "atlantis", "--listen", free_endpoint()])
     process.expected = 2

@@ -39,8 +39,10 @@ def test_nothing_near_a_rectangle_turns_as_fast_as_asked():
     assert drive.steady(0.0, TURN, ticks=1).allowed.angular == pytest.approx(TURN)
 
 
-@pytest.mark.parametrize("way", [1, -1])
-@pytest.mark.parametrize("post", [(0.10, 0.34), (-0.20, 0.34), (-0.48, 0.10), (0.38, 0.0), (0.30, -0.34)])
+@pytest.mark.parametrize(
+    ("post", "way"),
+    [((0.10, 0.34), 1), ((-0.20, 0.34), -1), ((-0.48, 0.10), 1), ((0.38, 0.0), -1), ((0.30, -0.34), 1)],
+)
 def test_a_turn_ends_before_a_corner_meets_what_stands_there(post, way):
     drive = rectangle()
     drive.tick(0.0)
