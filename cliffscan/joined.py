@@ -8,7 +8,7 @@ other's tokens may arrive all the same, so only an answer to a question tells th
 from collections.abc import Collection
 
 PATIENCE = 3  # looks, a second apart, in which a router that lets us pass has shown itself
-TRIES = 3  # sessions that are opened anew until one has: there may be none that shows itself
+TRIES = 10  # sessions that are opened anew until one has: there may be none that shows itself
 
 
 class Joined:

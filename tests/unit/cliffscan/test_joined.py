@@ -30,9 +30,9 @@ def test_one_that_is_reached_and_does_not_answer_is_joined_anew(joined):
 
 
 def test_after_some_tries_it_is_left_as_it_is(joined):
-    assert sum(looks(joined, many=20 * PATIENCE)) == TRIES
+    assert sum(looks(joined, many=3 * TRIES * PATIENCE)) == TRIES
     looks(joined, OTHER)
-    assert sum(looks(joined, many=20 * PATIENCE)) == TRIES
+    assert sum(looks(joined, many=3 * TRIES * PATIENCE)) == TRIES
 
 
 def test_after_an_outage_it_has_its_time_again(joined):
