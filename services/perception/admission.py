@@ -2,7 +2,8 @@
 
 Frames that wait make every scan late and none newer. So as many are taken as there is time for, each robot the same
 time at most, and the others are dropped as they come, before they cost anything. Where all frames take as long, each
-robot has the same number; one that sends large ones costs another nothing.
+robot has the same number; one that sends large ones costs another nothing. Only a robot that sends frames before its
+last ones are answered is limited.
 """
 
 import math
@@ -45,7 +46,7 @@ class Admission:
         self._turns: Counter[str] = Counter()
         self._busy: defaultdict[str, float] = defaultdict(float)  # [s] since `_began`
         self._costs: dict[str, float] = {}  # [s] of a frame of each robot
-        self._is_late = False  # a frame made room for a newer one since `_began`
+        self._late: set[str] = set()  # robots of which a frame made room for a newer one since `_began`
 
     def takes(self, robot: str, is_idle: bool) -> bool:
         """A frame of a robot comes; whether it is to be taken, as every one is that meets an idle process."""
@@ -58,9 +59,9 @@ class Admission:
         self._credit[robot] = max(credit - taken, -1.0)
         return taken
 
-    def overtaken(self) -> None:
-        """A frame made room for a newer one: without that, there has been time for all."""
-        self._is_late = True
+    def overtaken(self, robot: str) -> None:
+        """A frame of a robot made room for a newer one: without that, there has been time for all of its frames."""
+        self._late.add(robot)
 
     def worked(self, robot: str, seconds: float) -> None:
         """A turn of a robot took so long."""
@@ -78,10 +79,11 @@ class Admission:
         self._began, self._turns, self._busy = now, Counter(), defaultdict(float)
         rates = {robot: count / span for robot, count in sorted(offered.items())}
         asked = {robot: rate * self._costs[robot] for robot, rate in rates.items()}  # of the time
-        is_full = sum(asked.values()) > FULL if self.shares else self._is_late and sum(asked.values()) > 1.0
-        self._is_late = False
+        late, self._late = self._late | self.shares.keys(), set()
+        is_full = sum(asked.values()) > (FULL if self.shares else 1.0)
         limit = fair_limit(asked.values(), FULL) if is_full else math.inf
-        shares = {robot: Share(limit / self._costs[robot], rates[robot]) for robot in rates if asked[robot] > limit}
+        limited = [robot for robot in rates if robot in late and asked[robot] > limit]
+        shares = {robot: Share(limit / self._costs[robot], rates[robot]) for robot in limited}
         spread = {robot: number / len(shares) for number, robot in enumerate(shares)}  # lest all come at once
         self._credit = spread | {robot: credit for robot, credit in self._credit.items() if robot in shares}
         self.shares = shares

@@ -139,7 +139,7 @@ class Fleet:
     def _arrived(self, name: str, payload: bytes) -> None:
         if self._turns.put(name, payload):
             return
-        self._admission.overtaken()
+        self._admission.overtaken(name)
         if robot := self._robots.get(name):
             robot.overtaken()
 

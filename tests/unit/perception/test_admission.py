@@ -34,7 +34,7 @@ def drive(offered, cost, seconds):
                 due[robot] += 1.0 / rate
                 if admission.takes(robot, not waiting and free <= now):
                     if any(each[1] == robot for each in waiting):
-                        admission.overtaken()
+                        admission.overtaken(robot)
                     waiting = [each for each in waiting if each[1] != robot] + [(now, robot)]
         if waiting and free <= now:
             came, robot = waiting.pop(0)
@@ -55,15 +55,16 @@ def test_where_there_is_time_every_frame_is_taken():
 
 
 def test_a_sender_that_waits_for_each_answer_is_never_limited():
-    """It asks for all the time that there is, with frames close behind one another, and is never late."""
+    """It may ask for more than its share beside one that floods, and is never late."""
     admission, now = Admission(0.0), 0.0
     for _ in range(2000):
-        assert admission.takes("r", is_idle=True)
-        assert admission.takes("r", is_idle=False)
-        for _ in range(2):
-            now += 0.004
-            admission.worked("r", 0.00401)
+        now += 0.008
+        for robot in ("flood", "waits"):
+            assert admission.takes(robot, is_idle=False) or robot == "flood"
+            admission.worked(robot, 0.008)
+        admission.overtaken("flood")
         admission.review(now)
+    assert admission.shares.keys() == {"flood"}
 
 
 def test_too_many_frames_are_shared_and_none_is_late():
@@ -73,7 +74,7 @@ def test_too_many_frames_are_shared_and_none_is_late():
     assert "slow" not in admission.shares
     assert taken.pop("slow") == pytest.approx(5.0, rel=0.15)
     assert list(taken.values()) == pytest.approx([fair] * 20, rel=0.25)
-    assert late < 0.08
+    assert late < 0.1
     assert all(share.offered == pytest.approx(30.0, rel=0.1) for share in admission.shares.values())
 
 
@@ -82,7 +83,7 @@ def test_a_flood_is_what_is_limited():
     _, taken, late = drive(offered, dict.fromkeys(offered, 0.008), 8.0)
     assert (taken["a"], taken["b"]) == pytest.approx((30.0, 30.0), rel=0.1)
     assert taken["flood"] == pytest.approx(FULL / 0.008 - 60.0, rel=0.15)
-    assert late < 0.08
+    assert late < 0.1
 
 
 def test_large_frames_cost_small_ones_nothing():
@@ -98,7 +99,7 @@ def test_a_limit_goes_when_there_is_time_again():
     for _ in range(100):
         admission.takes("a", False)
         admission.worked("a", PERIOD / 50)
-    admission.overtaken()
+    admission.overtaken("a")
     assert admission.review(PERIOD)
     assert admission.shares
     assert admission.takes("a", True)

@@ -146,7 +146,8 @@ def test_more_frames_than_there_is_time_for_are_told_of(every, bus, clock, caplo
         every._take(robot, [image(7)])
     settle(every, clock)
     for seq in range(ROOM + 1):  # they wait: the process is not idle
-        every._arrived("b", image(seq))
+        for robot in "ab":
+            every._arrived(robot, image(seq))
     for _ in range(2):
         for robot in "ab" * 30:
             clock.now += 1 / 60
