@@ -7,8 +7,8 @@ import argparse
 import tempfile
 import time
 import uuid
-from collections.abc import Callable, Sequence
-from contextlib import ExitStack
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -113,19 +113,24 @@ def sent(bus: Bus) -> tuple[list[Callable[[], object]], list[Callable[[], object
     ]
 
 
-def measure(options: Sequence[str], seconds: float, folder: Path) -> tuple[str, str, str]:
-    """CPU, bytes and memory of a recorder with these options, as text."""
+@contextmanager
+def network() -> Iterator[tuple[Started, Bus, list[str]]]:
+    """A router, a robot on it, and the options by which others connect to them."""
     endpoint, robot = free_endpoint(), f"bench-{uuid.uuid4().hex[:8]}"
-    file = folder / f"{robot}.mcap"
-    with ExitStack() as entered:
-        started = entered.enter_context(Started())
+    with Started() as started:
         started.module("cliffscan", "router", "--listen", endpoint)
         bus = connect(Network("client", [endpoint]), robot, StopSignal())
         if bus is None:
             raise SystemExit(0)
-        entered.enter_context(bus)
+        with bus:
+            yield started, bus, ["--robot", robot, "--mode", "client", "--connect", endpoint]
+
+
+def measure(options: Sequence[str], seconds: float, folder: Path) -> tuple[str, str, str]:
+    """CPU, bytes and memory of a recorder with these options, as text."""
+    with network() as (started, bus, where):
+        file = folder / f"{bus.robot}.mcap"
         frames, base = sent(bus)
-        where = ["--robot", robot, "--mode", "client", "--connect", endpoint]
         process = started.module("cliffscan", "record", file, *where, *options)
         while not file.exists():
             time.sleep(0.1)

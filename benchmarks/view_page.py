@@ -10,7 +10,6 @@ import socket
 import tempfile
 import threading
 import time
-import uuid
 from contextlib import ExitStack
 from pathlib import Path
 from statistics import median
@@ -18,11 +17,9 @@ from typing import Any
 
 from rich.console import Console
 
-from benchmarks.recording import RATE, publish, sent
-from cliffscan.common.runtime.network import Network
-from cliffscan.common.runtime.service import StopSignal, connect
+from benchmarks.recording import RATE, network, publish, sent
 from evaluation.processes.network import free_endpoint
-from evaluation.processes.started import Started, cpu
+from evaluation.processes.started import cpu
 from evaluation.tables import Table
 from tests.chromium import Chromium
 
@@ -35,19 +32,12 @@ HEADINGS = ("screen", "pictures/s", "latency ms, median", "worst", "server, CPU 
 
 def measure(size: tuple[int, int, float], seconds: float, folder: Path) -> tuple[str, str, str, str]:
     """Pictures a second, latencies and CPU of the server while one page looks, as text."""
-    endpoint, robot = free_endpoint(), f"bench-{uuid.uuid4().hex[:8]}"
     with ExitStack() as entered:
-        started = entered.enter_context(Started())
-        started.module("cliffscan", "router", "--listen", endpoint)
-        bus = connect(Network("client", [endpoint]), robot, StopSignal())
-        if bus is None:
-            raise SystemExit(0)
-        entered.enter_context(bus)
+        started, bus, where = entered.enter_context(network())
         frames, base = sent(bus)
         port = int(free_endpoint().rpartition(":")[2])
-        where = ["--robot", robot, "--mode", "client", "--connect", endpoint]
         server = started.module("cliffscan", "view", "--port", str(port), *where)
-        browser = Chromium(folder / robot)
+        browser = Chromium(folder / bus.robot)
         entered.callback(browser.close)
         width, height, scale = size
         browser.call(

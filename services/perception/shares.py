@@ -10,7 +10,7 @@ from hashlib import blake2b
 
 
 def weight(robot: str, process: str) -> bytes:
-    """How much a robot leans to a process: rendezvous hashing. Whoever joins or leaves changes no other weight."""
+    """How strongly a robot prefers a process (rendezvous hashing). It depends on no other process."""
     return blake2b(f"{robot} {process}".encode(), digest_size=8).digest()
 
 

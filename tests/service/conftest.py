@@ -227,6 +227,24 @@ def ask_here(monkeypatch, capsys):
     return ask
 
 
+@contextlib.contextmanager
+def repeated(work, period):
+    """Do this over and over meanwhile, with a pause of so many seconds."""
+    ended = threading.Event()
+
+    def run():
+        while not ended.wait(period):
+            work()
+
+    thread = threading.Thread(target=run)
+    thread.start()
+    try:
+        yield
+    finally:
+        ended.set()
+        thread.join()
+
+
 @pytest.fixture
 def run():
     """Start processes; at the end each must leave as expected, by default with 0, when told to."""

@@ -1,9 +1,7 @@
 """perception answers as negative, positive and fuse do, for one robot or many, and no robot costs another anything."""
 
-import contextlib
 import itertools
 import signal
-import threading
 import time
 
 import msgpack
@@ -14,7 +12,7 @@ import zenoh
 from cliffscan.common.contract.camera import FloorPlane
 from cliffscan.services.perception.robot import THEIRS
 from tests import scenes
-from tests.service.conftest import image, scan
+from tests.service.conftest import image, repeated, scan
 
 SCANS = (
     "scan/positive",
@@ -31,6 +29,7 @@ CAMERA = scenes.camera(160, 120, FloorPlane.from_mount(0.3, 0.2))
 HOLE, EMPTY = scenes.depth(CAMERA, [scenes.HOLE]), scenes.depth(CAMERA)
 SECOND = 1_000_000_000  # [ns]
 PERCEPTION = "services.perception"
+FLOOD = 0.002  # [s] between two samples
 
 
 def perception(start, *options, robots):
@@ -45,24 +44,6 @@ def answered(client, ear, number, depth=HOLE):
     """What is answered to a frame."""
     client.put("camera/depth", frame(number, depth))
     return ear.until(lambda answer: answer["stamp"] == SECOND + number)
-
-
-@contextlib.contextmanager
-def repeated(work):
-    """Do this over and over meanwhile, 500 times a second at most."""
-    ended = threading.Event()
-
-    def run():
-        while not ended.wait(0.002):
-            work()
-
-    thread = threading.Thread(target=run)
-    thread.start()
-    try:
-        yield
-    finally:
-        ended.set()
-        thread.join()
 
 
 def settled(status, **counts):
@@ -136,7 +117,7 @@ def test_a_hostile_robot_costs_no_frame_of_another(client, start, kind, named):
         client.wait_alive("perception")
     key = f"{hostile.robot}/camera/depth"
     drop = zenoh.CongestionControl.DROP
-    with repeated(lambda: client.session.put(key, HOSTILE[kind], congestion_control=drop)):
+    with repeated(lambda: client.session.put(key, HOSTILE[kind], congestion_control=drop), FLOOD):
         first = 0
         while not named and not (client.put("camera/depth", frame(first)) or ear.get_within(0.2)):
             first += 1

@@ -1,13 +1,11 @@
 """`cliffscan up` with `ros2` beside it: a foreign ROS node finds the robot, watches it, and drives it to the stairs."""
 
-import contextlib
 import sys
-import threading
 
 import pytest
 import zenoh_ros2_sdk
 
-from tests.service.conftest import free_endpoint
+from tests.service.conftest import free_endpoint, repeated
 from tests.service.test_ros2 import twist
 from tests.service.test_ros2_peers import DEADLINE, definition, heard_by_sdk, publishers, sdk  # noqa: F401 - a fixture
 
@@ -57,23 +55,11 @@ def test_a_ros_node_drives_the_robot_which_stops_at_the_stairs(client, run, star
     assert not any(any(each["wheel_drops"]) or any(each["cliffs"]) for each in states.all())
 
 
-@contextlib.contextmanager
 def driving(where):
     """Publish /cmd_vel, straight ahead, ten times a second meanwhile."""
     publisher = zenoh_ros2_sdk.ROS2Publisher(topic="/cmd_vel", **definition("geometry_msgs/msg/Twist"), **where)
-    ahead, ended = twist(SPEED, 0.0), threading.Event()
-
-    def drive():
-        while not ended.wait(0.1):
-            publisher.publish(linear=ahead.linear, angular=ahead.angular)
-
-    thread = threading.Thread(target=drive)
-    thread.start()
-    try:
-        yield
-    finally:
-        ended.set()
-        thread.join()
+    ahead = twist(SPEED, 0.0)
+    return repeated(lambda: publisher.publish(linear=ahead.linear, angular=ahead.angular), 0.1)
 
 
 def status(diagnostics):

@@ -2,15 +2,13 @@
 
 import sys
 import time
-from contextlib import contextmanager
-from threading import Event, Thread
 
 import msgpack
 import pytest
 import zenoh
 
 from cliffscan.secure.folder import KeyFolder
-from tests.service.conftest import DEADLINE, Ear, wait_until
+from tests.service.conftest import DEADLINE, Ear, repeated, wait_until
 from tests.service.test_secure_door import opened, secured_endpoint
 
 SPEED = 0.5  # [m/s]
@@ -65,22 +63,11 @@ def reached(keys, role, endpoint):
     return sessions[0]
 
 
-@contextmanager
 def driving(session):
     """Publish base/cmd_vel, straight ahead, ten times a second meanwhile."""
-    publisher, ended = session.declare_publisher("r/base/cmd_vel"), Event()
-
-    def drive():
-        while not ended.wait(0.1):
-            publisher.put(msgpack.packb({"stamp": time.time_ns(), "linear": SPEED, "angular": 0.0}))
-
-    thread = Thread(target=drive)
-    thread.start()
-    try:
-        yield
-    finally:
-        ended.set()
-        thread.join()
+    publisher = session.declare_publisher("r/base/cmd_vel")
+    ahead = {"linear": SPEED, "angular": 0.0}
+    return repeated(lambda: publisher.put(msgpack.packb({"stamp": time.time_ns()} | ahead)), 0.1)
 
 
 def ask(session, name):

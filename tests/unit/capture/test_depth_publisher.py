@@ -36,7 +36,7 @@ def test_the_workstations_frames_wait_for_its_answers_and_the_robots_own_do_not(
 
 
 def test_without_a_perception_at_the_workstation_nothing_is_published_for_it():
-    """Whoever else receives there: a recorder and a fleet's perception receive all keys."""
+    """A recorder receives all keys, and so does a fleet's perception."""
     assert publish(6, [], there="recorder") == ({HERE: [*range(6)], THERE: []}, 0)
 
 
