@@ -48,6 +48,13 @@ class Once:
         return self._made
 
 
+class Told(NamedTuple):
+    """A message that is one, and when [s] it came by the steady clock: what is kept is decoded first."""
+
+    message: Any
+    at: float
+
+
 class Looker(NamedTuple):
     """One who looks: where packets are offered, and what offers its own state anew."""
 
@@ -71,7 +78,7 @@ class RobotView:
     def _forget(self) -> None:
         self._ground = RememberedGround()
         self._images: deque[Sample[DepthImage]] = deque(maxlen=IMAGES)
-        self._last: dict[str, Sample[Any]] = {}
+        self._last: dict[str, Told] = {}
         self._maps: dict[str, Make] = {}
         self._poses: dict[str, Pose2D] = {}
         self._healths: list[Health] = []
@@ -127,7 +134,7 @@ class RobotView:
         """Whether anything of the robot is received."""
         now = time.monotonic()
         lives = any(health.state not in GONE for health in self._healths)
-        return lives or any(now - sample.at < OLD for sample in self._last.values())
+        return lives or any(now - told.at < OLD for told in self._last.values())
 
     def state(self) -> dict[str, object]:
         """What the page shows beside its pictures; ages [s] are by this machine's clock."""
@@ -147,9 +154,12 @@ class RobotView:
         for looker in self._lookers:
             looker.outbox.offer(kind, make)
 
+    def _keep(self, name: str, sample: Sample[Any]) -> None:
+        self._last[name] = Told(sample.message, sample.at)
+
     def _scanned(self, sample: Sample[LaserScan]) -> None:
+        self._keep("scan", sample)
         scan = sample.message
-        self._last["scan"] = sample
         pose = self._ground.see(scan)
         camera = self._ground.camera
         self._offer("scene", Once(lambda: scene(scan, pose, camera)))
@@ -166,16 +176,16 @@ class RobotView:
             self._offer("depth", Once(lambda: depth_picture(sample.message, None)))
 
     def _moved(self, sample: Sample[Odometry]) -> None:
+        self._keep("odometry", sample)
         self._ground.move(sample.message)
-        self._last["odometry"] = sample
 
     def _felt(self, sample: Sample[BaseState]) -> None:
+        self._keep("base", sample)
         self._ground.feel(sample.message)
-        self._last["base"] = sample
 
     def _decided(self, sample: Sample[SafetyState]) -> None:
         before = self._last.get("safety")
-        self._last["safety"] = sample
+        self._keep("safety", sample)
         if before is None or before.message.rule != sample.message.rule:
             for looker in self._lookers:
                 looker.refresh()
@@ -209,12 +219,12 @@ class RobotView:
         return packet(header, {"cells": window.cells})
 
     def _age(self, name: str, now: float) -> float | None:
-        sample = self._last.get(name)
-        return now - sample.at if sample else None
+        told = self._last.get(name)
+        return now - told.at if told else None
 
     def _with_age(self, name: str, now: float, words: Callable[[Any], dict[str, object]]) -> dict[str, object] | None:
-        sample = self._last.get(name)
-        return {**words(sample.message), "age": now - sample.at} if sample else None
+        told = self._last.get(name)
+        return {**words(told.message), "age": now - told.at} if told else None
 
 
 def _safety(state: SafetyState) -> dict[str, object]:
