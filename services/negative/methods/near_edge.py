@@ -26,6 +26,7 @@ from cliffscan.services.negative.beam_lines import (
     lines_per_beam,
     rows_outward,
 )
+from cliffscan.services.negative.border_lines import end_at_border
 from cliffscan.services.negative.faces import end_at_faces
 from cliffscan.services.negative.floor_following import End, FloorCriteria, floor_trace, single
 from cliffscan.services.negative.line_edges import locate_edges, reject_unreliable
@@ -113,6 +114,7 @@ def near_edge(
         ramps = ramps_ahead(heights, order, lines, ended, row[ended], height, *limits)
         end[ended[ramps]] = End.UNVERIFIED  # its rows lie too far apart to call it free
     ranges, clear = locate_edges(*traced, lines, height)
+    end_at_border(end, clear, lines, in_view.first, order, region.shape[1], height)
     spacing = grid.increment / each
     reject_unreliable(end, ranges, in_view.first, far, spacing, floor_lost == "counts", floor_lost != "ignored")
     ranges = np.maximum(ranges, points.range_min)  # as near as a scan reports

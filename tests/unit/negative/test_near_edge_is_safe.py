@@ -103,6 +103,32 @@ def test_a_beam_through_a_part_of_the_floor_that_was_not_seen_is_not_free(
     assert (beams.clear[through] <= start + spacing).all()
 
 
+@pytest.mark.parametrize("deep", [True, False])
+@pytest.mark.parametrize("roll", [-20.0, -10.0, -3.0, -1.0, 1.0, 3.0, 10.0, 20.0, 177.0])
+@pytest.mark.parametrize(("height", "pitch"), [(0.3, 0.0), (0.5, 20.0)])
+def test_floor_that_the_border_shows_beyond_a_hole_frees_nothing(height, pitch, roll, deep):
+    camera = mounted(height, pitch, roll)
+    distance, _, _ = floor_of(camera)
+    end = distance[0 if abs(roll) > 90 else -1].max() + 0.2  # all floor below the image is nearer
+    depth = scenes.depth(camera, wall=60.0)
+    row = 2 * end**2 / (camera.intrinsics.fy * height) + 0.02  # [m] on the floor: those of a leaning camera lie oblique
+    hole = (distance > end) & (distance < end + max(0.5, 4 * row))
+    depth[hole] = depth[hole] * 2 if deep else 0
+    beams = found(depth, camera)
+    assert (beams.clear <= end + row).all()
+    assert not np.isposinf(beams.ranges).any()
+
+
+@pytest.mark.parametrize("roll", [-20.0, -3.0, 3.0, 20.0])
+def test_a_line_at_the_border_is_free_as_far_as_the_lines_beside_it(roll):
+    camera = mounted(0.3, 0.0, roll)
+    distance, azimuth, away = floor_of(camera)
+    beams = found(scenes.depth(camera, wall=60.0), camera)
+    seen = azimuth[(away > 0.4) & (distance < 3.0)]
+    within = np.abs(ANGLES - (seen.min() + seen.max()) / 2) < (seen.max() - seen.min()) / 2 - 0.02
+    assert np.isposinf(beams.ranges[within]).mean() > 0.995
+
+
 @pytest.mark.parametrize("mount", [(0.3, 0, 0), (0.3, 20, 3), (0.5, 10, 180), (0.4, 10, 90), (0.4, 10, -90)])
 def test_a_frame_without_returns_tells_nothing(mount):
     camera = mounted(*mount)
