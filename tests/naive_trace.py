@@ -319,7 +319,8 @@ def beyond_lost(
     hidden = alike = True
     for _, height, reach, fall, _ in beyond:
         error = criteria.step + of_lost.SIGMAS * criteria.noise * camera_height * ground / fall
-        hidden = hidden and height - float(level) > error and reach < last
+        low = min(of_lost.LOW, ground)
+        hidden = hidden and error < height - float(level) < low and reach < last
         alike = alike and abs(height - float(level)) <= error
     length = reach_in(view, line, beyond[0][0], ground) - last
     short = criteria.gap < length <= of_lost.PATCH

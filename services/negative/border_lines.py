@@ -13,11 +13,13 @@ they saw floor to where it comes into view. Beyond the first that does not, nobo
 
 import numpy as np
 from numba import njit
+from numpy.typing import NDArray
 
 from cliffscan.common.contract.camera import Floats
 from cliffscan.common.perception.floor_points import Metres
 from cliffscan.services.negative.beam_lines import BESIDE, BeamLines, Rows
 from cliffscan.services.negative.floor_following import End
+from cliffscan.services.negative.lost_floor import range_in
 
 REACHED_RANGE, UNVERIFIED = np.float32(End.REACHED_RANGE), np.float32(End.UNVERIFIED)
 BEFORE = 4  # lines beside, of which the one that saw farthest tells: a speck in one is no end of floor
@@ -36,9 +38,7 @@ def end_at_border(
     many = len(in_view)
     for outward in (1, -1):
         outermost = many - 1 if outward > 0 else 0
-        place = outermost
-        while 0 <= place < many and _enters_at_side(lines, in_view[place], first[in_view[place]], order, columns):
-            place -= outward
+        place = _nearest_place(in_view, outward, lines, first, order, columns, camera_height)
         limit = np.inf
         while place != outermost:
             place += outward
@@ -49,12 +49,35 @@ def end_at_border(
                 if 0 <= inner < many:
                     other = in_view[inner]
                     known = max(known, np.inf if end[other] == REACHED_RANGE else clear[other])
-            ahead = float(lines.ahead[u]) + first[u] * float(lines.ahead_step[u])
-            fall = float(lines.fall[u]) + first[u] * float(lines.fall_step[u])
-            limit = min(limit, known) if ahead * camera_height / fall > known else limit
+            limit = min(limit, known) if range_in(lines, u, first[u], camera_height) > known else limit
             if limit < np.inf:
                 clear[u] = min(clear[u], limit)
                 end[u] = UNVERIFIED if end[u] == REACHED_RANGE else end[u]
+
+
+@njit(cache=True, error_model="numpy")
+def _nearest_place(
+    in_view: NDArray[np.int64],
+    outward: int,
+    lines: BeamLines,
+    first: Metres,
+    order: Rows,
+    columns: int,
+    camera_height: float,
+) -> int:
+    """Inward from one border, the place of the line that comes into view the nearest: none farther in enters there."""
+    many = len(in_view)
+    walked = many - 1 if outward > 0 else 0
+    place, nearest = walked, np.inf
+    while 0 <= walked < many:
+        u = in_view[walked]
+        entry = range_in(lines, u, first[u], camera_height)
+        if entry < nearest:
+            place, nearest = walked, entry
+        if not _enters_at_side(lines, u, first[u], order, columns):
+            break
+        walked -= outward
+    return place
 
 
 @njit(cache=True, error_model="numpy")

@@ -1,10 +1,10 @@
 """Floor that is lost, but no hole's: what is seen beyond it tells; its slow twin is tests/naive_trace.py.
 
 Something that hangs or stands nearer than where the floor was lost hides what is beyond: dark feet of things, and the
-floor below them, return nothing. And a shiny floor is lost in patches far off, where it is seen at a grazing angle, and
-goes on beyond them at its height. A dark hole looks the same, so such floor is not known, and counts as lost as soon as
-it is nearer than far_off: before it is nearer than the first floor in view, where a gate that sees floor beyond it
-guesses that floor leads there.
+floor below them, return nothing. It must be low, and so in the robot's way: below a railing's bar an edge is in view.
+And a shiny floor is lost in patches far off, where it is seen at a grazing angle, and goes on beyond them at its
+height. A dark hole looks the same, so such floor is not known, and counts as lost as soon as it is nearer than far_off:
+before it is nearer than the first floor in view, where a gate that sees floor beyond it guesses that floor leads there.
 """
 
 import numpy as np
@@ -16,6 +16,7 @@ from cliffscan.services.negative.beam_lines import BeamLines, Rows
 
 RETURNS = 3  # beyond the lost floor, that tell what is there
 SIGMAS = 4.0  # of noise, in which a height may err
+LOW = 0.25  # [m] above the floor, and below the camera, what hangs is in the way; a railing's bar hides no edge
 FAR_OFF = 2.0  # [m] from where on a patch may be shine
 WAY = 1.0  # [m] and from the first floor in view
 PATCH = 0.6  # [m] length of the longest patch that may be shine
@@ -54,7 +55,8 @@ def beyond_lost_floor(
             fall = float(lines.fall[u]) + order[at] * float(lines.fall_step[u])
             error = step + SIGMAS * noise * camera_height * ground / fall
             off, length = height - float(level[index]), range_in(lines, u, order[at], ground) - last
-            above += off > error and range_in(lines, u, order[at], camera_height - height) < last
+            hangs = error < off < min(LOW, ground)
+            above += hangs and range_in(lines, u, order[at], camera_height - height) < last
             alike += abs(off) <= error and (seen > 0 or gap < length <= PATCH)
             seen += 1
             if seen == RETURNS:

@@ -76,6 +76,14 @@ def test_what_hangs_nearer_hides_it(seed):
 
 
 @pytest.mark.parametrize("seed", SEEDS)
+@pytest.mark.parametrize("bottom", [0.27, 0.45])
+def test_a_bar_of_a_railing_hides_no_edge(bottom, seed):
+    bar = (1.4, -9.0, bottom, 1.45, 9.0, bottom + 0.05)
+    beams = found(dark(1.5, 9.0, boxes=[bar]), seed)
+    assert (beams.intensities[MIDDLE] == Evidence.FLOOR_LOST).mean() > 0.99
+
+
+@pytest.mark.parametrize("seed", SEEDS)
 def test_what_stands_beyond_does_not(seed):
     standing = (2.0, -9.0, 0.0, 2.2, 9.0, 0.4)
     beams = found(dark(1.5, 0.6, boxes=[standing]), seed)

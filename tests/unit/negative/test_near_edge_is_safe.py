@@ -119,9 +119,12 @@ def test_floor_that_the_border_shows_beyond_a_hole_frees_nothing(height, pitch, 
     assert not np.isposinf(beams.ranges).any()
 
 
-@pytest.mark.parametrize("roll", [-20.0, -3.0, 3.0, 20.0])
-def test_a_line_at_the_border_is_free_as_far_as_the_lines_beside_it(roll):
-    camera = mounted(0.3, 0.0, roll)
+@pytest.mark.parametrize(
+    ("height", "pitch", "roll"),
+    [(0.3, 0.0, -20.0), (0.3, 0.0, -3.0), (0.3, 0.0, 3.0), (0.3, 0.0, 20.0), (0.65, 55.0, -52.0), (0.65, 55.0, 52.0)],
+)
+def test_a_line_at_the_border_is_free_as_far_as_the_lines_beside_it(height, pitch, roll):
+    camera = mounted(height, pitch, roll)
     distance, azimuth, away = floor_of(camera)
     beams = found(scenes.depth(camera, wall=60.0), camera)
     seen = azimuth[(away > 0.4) & (distance < 3.0)]
