@@ -94,7 +94,7 @@ def _check_name(folder: Path, identity: Identity, role: str, robots: Sequence[st
     if others:
         raise SecureError(
             f"{file}: is of robot {identity.robot!r}, expected {others[0]!r}:"
-            f" give --robot {identity.robot}, or the keys of {others[0]}"
+            f" give --robot {identity.robot} alone; each robot has keys and processes of its own"
         )
 
 

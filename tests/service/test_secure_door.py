@@ -176,7 +176,7 @@ def test_a_link_ends_with_its_certificate_and_begins_with_a_renewed_one(made, ke
         wait_until(session.info.routers_zid)
 
 
-def test_a_router_takes_up_renewed_keys(keys, run):
+def test_a_router_takes_up_renewed_keys_when_all_of_them_are_there(made, keys, run):
     endpoint = secured_endpoint()
     process = run(
         [
@@ -187,6 +187,8 @@ def test_a_router_takes_up_renewed_keys(keys, run):
     process.wait_said("ready")
     with bus(keys, "viewer", endpoint) as inside:
         wait_until(lambda: inside.alive() == {"router-here"})
+        shutil.copy(made / "foreign/router/cert.pem", keys / "router")  # one of several files that are being copied
+        process.wait_said("goes on with the keys of before, for")
         KeyFolder(keys).renew()
         process.wait_said("keys or rules were renewed: opening anew")
         wait_until(lambda: process.said.count("ready") == 2)
