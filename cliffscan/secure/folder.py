@@ -18,7 +18,7 @@ from cryptography.hazmat.primitives.serialization import (
 from cliffscan.common.contract.roles import ROLES, SENSOR, Role, is_sensor, role_names, sensor
 from cliffscan.common.contract.ros_keys import DOMAIN
 from cliffscan.common.runtime import zenoh_config
-from cliffscan.common.runtime.identity import SOON, examine, read_certificate
+from cliffscan.common.runtime.identity import SOON, examine, identity_of, read_certificate
 from cliffscan.common.runtime.secure import (
     CERTIFICATE,
     CONFIG,
@@ -119,6 +119,12 @@ class KeyFolder:
             yield role, f"valid until {identity.ends:%Y-%m-%d}, {identity.days} days{remedy}", not soon
         if (self._ca / KEY).exists() and (fault := _open_to_others(self._ca / KEY)):
             yield CA, fault, False
+        if self._ca.is_dir() and (authority := identity_of(read_certificate(self._ca / CERTIFICATE))).days < SOON:
+            yield (
+                CA,
+                f"ends on {authority.ends:%Y-%m-%d}, and all keys with it: make others by `cliffscan keys init`",
+                False,
+            )
 
     def roles(self) -> list[str]:
         """The roles whose folders are here. Raises SecureError where there are none."""

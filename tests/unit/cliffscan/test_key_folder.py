@@ -11,7 +11,9 @@ import zenoh
 
 from cliffscan.cli import build_parser
 from cliffscan.common.contract.roles import role_names
+from cliffscan.common.runtime.identity import read_certificate
 from cliffscan.common.runtime.secure import FILES, SecureError
+from cliffscan.secure import authority
 from cliffscan.secure.folder import KeyFolder
 
 
@@ -131,6 +133,15 @@ def test_renewing_keeps_the_key_and_changes_the_certificate(keys):
     assert keys.renew() == []
     after = {name: (keys.directory / "fuse" / name).read_bytes() for name in FILES}
     assert [name for name in FILES if before[name] != after[name]] == ["cert.pem"]
+
+
+def test_no_certificate_outlives_the_authority_whose_end_is_told_in_time(tmp_path, monkeypatch):
+    monkeypatch.setattr(authority, "CA_LIFE", timedelta(days=20))
+    keys = KeyFolder(tmp_path / "keys")
+    keys.init("r", [])
+    ends = {read_certificate(tmp_path / "keys" / name / "cert.pem").not_valid_after_utc for name in ("ca", "fuse")}
+    assert max(ends) - min(ends) < timedelta(minutes=1)
+    assert re.search("ends on .*, and all keys with it: make others by `cliffscan keys init`", wrong(keys)["ca"])
 
 
 def test_a_sensor_gets_keys_and_the_routers_a_rule(keys, capsys):
