@@ -104,6 +104,7 @@ def test_every_service_is_tried_here():
 )
 def test_scans_of_the_robots_frames_come_back_to_it(hosts, run, service, path):
     process = run(hosts.command(service))
+    process.wait_said("ready")
     arrived, status = hosts.hear(path, ROBOT, "viewer"), hosts.hear(f"status/{service}", ROBOT, "viewer")
     with repeated(hosts.publish("camera/depth", "capture", ROBOT, frames()), PERIOD):
         arrived.get()
@@ -223,6 +224,8 @@ def test_a_workstation_perceives_for_a_robot_that_does_so_too(hosts, run):
     of_robot = hosts.command("perception")
     of_robot[of_robot.index(hosts.ends[WORKSTATION])] = hosts.ends[ROBOT]
     processes = [run(of_robot), run(hosts.command("perception", robot="r/workstation"))]
+    for process in processes:
+        process.wait_said("ready")
     status, capture = hosts.hear("status/perception", WORKSTATION), hosts.session("capture", ROBOT)
     theirs = hosts.hear("workstation/status/perception", ROBOT)
     make = frames()
