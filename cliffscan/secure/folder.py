@@ -119,12 +119,8 @@ class KeyFolder:
             yield role, f"valid until {identity.ends:%Y-%m-%d}, {identity.days} days{remedy}", not soon
         if (self._ca / KEY).exists() and (fault := _open_to_others(self._ca / KEY)):
             yield CA, fault, False
-        if self._ca.is_dir() and (authority := identity_of(read_certificate(self._ca / CERTIFICATE))).days < SOON:
-            yield (
-                CA,
-                f"ends on {authority.ends:%Y-%m-%d}, and all keys with it: make others by `cliffscan keys init`",
-                False,
-            )
+        if self._ca.is_dir() and (fault := _ends_soon(self._ca / CERTIFICATE)):
+            yield CA, fault, False
 
     def roles(self) -> list[str]:
         """The roles whose folders are here. Raises SecureError where there are none."""
@@ -208,6 +204,13 @@ def _open_to_others(file: Path) -> str:
     """That others may read a secret file; empty where they may not."""
     mode = file.stat().st_mode & 0o777
     return f"{file}: others may read it ({mode:o}): `chmod 600 {file}`" if mode & 0o077 else ""
+
+
+def _ends_soon(authority: Path) -> str:
+    """That a CA's certificate ends soon; empty where it does not. Raises SecureError."""
+    found = identity_of(read_certificate(authority))
+    remedy = "and all keys with it: make others by `cliffscan keys init`"
+    return f"{authority}: ends on {found.ends:%Y-%m-%d}, {remedy}" if found.days < SOON else ""
 
 
 def _make_folder(folder: Path) -> None:
