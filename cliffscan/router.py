@@ -6,8 +6,8 @@ import logging
 from pathlib import Path
 
 from cliffscan.common.runtime.config import ServiceConfig
-from cliffscan.common.runtime.network import Network, targets
-from cliffscan.common.runtime.secure import CERTIFICATE, CONFIG, Credentials
+from cliffscan.common.runtime.network import BusError, Network, check, targets
+from cliffscan.common.runtime.secure import FILES
 from cliffscan.common.runtime.service import STATUS_PERIOD, Service, StopSignal, connect
 from cliffscan.joined import Joined
 
@@ -22,11 +22,12 @@ def route(network: Network, robot: str, name: str, stop: StopSignal) -> int:
     token = f"router-{name}"
     joined = Joined(token) if network.secure and targets(network) else None
     while not stop.is_set():
+        files = Files(network)
         bus = connect(network, robot, stop)
         if bus is None:
             break
         with bus:
-            _route_once(Service(token, ServiceConfig(), bus, stop), Files(network.secure), joined, stop)
+            _route_once(Service(token, ServiceConfig(), bus, stop), files, joined, stop)
     return 0
 
 
@@ -35,7 +36,7 @@ def _route_once(service: Service[ServiceConfig], files: Files, joined: Joined | 
     service.ready()
     while not stop.wait(STATUS_PERIOD):
         service.publish_status()
-        if files.changed():
+        if files.renewed():
             log.info("keys or rules were renewed: opening anew")
             return
         if joined and joined.is_shut(service.bus.connected, service.bus.alive()):
@@ -46,14 +47,28 @@ def _route_once(service: Service[ServiceConfig], files: Files, joined: Joined | 
 class Files:
     """The files that decide how a secured router listens; none for another one."""
 
-    def __init__(self, credentials: Credentials | None) -> None:
-        self._files = [credentials.folder / name for name in (CERTIFICATE, CONFIG)] if credentials else []
-        self._known = self._now()
+    def __init__(self, network: Network) -> None:
+        keys = network.secure
+        self._network = network
+        self._files = [keys.folder / name for name in FILES] if keys else []
+        self._known = self._looked_at = self._now()
 
-    def changed(self) -> bool:
-        """Whether a file is another one than at first; one that is missing is about to be replaced."""
+    def renewed(self) -> bool:
+        """Whether the files are others than at first, and can be used.
+
+        They are copied one after the other, so those that do not belong together are about to. They are looked at once
+        each time one changes.
+        """
         now = self._now()
-        return None not in now and now != self._known
+        if now in (self._known, self._looked_at):
+            return False
+        self._looked_at = now
+        try:
+            check(self._network)
+        except BusError as error:
+            log.warning("goes on with the keys of before, for %s", error)
+            return False
+        return True
 
     def _now(self) -> list[int | None]:
         return [_changed_at(file) for file in self._files]

@@ -44,6 +44,8 @@ def build_parser() -> argparse.ArgumentParser:
         metavar="PORT",
         help="leave a page open on the drive when all is done, until Ctrl-C (default port %(const)s)",
     )
+    text = "with keys made for it, the robot and the workstation each behind a router of its own"
+    parser.add_argument("--secure", action="store_true", help=text)
     parser.add_argument(
         "--out", type=Path, default=Path("out"), metavar="DIR", help="where to write (default: out beside demo)"
     )
@@ -74,8 +76,10 @@ def main() -> None:
     parser = build_parser()
     arguments = parser.parse_args()
     logging.basicConfig(level=logging.INFO, format="%(asctime)s %(levelname)s demo: %(message)s")
+    if arguments.secure and arguments.data and not arguments.view:
+        parser.error("--secure: a recording is read without any network; leave one of them out")
     stop = StopSignal()
-    run = Run(Console(), stop, arguments.out, arguments.set)
+    run = Run(Console(), stop, arguments.out, arguments.set, arguments.secure)
     try:
         arguments.out.mkdir(parents=True, exist_ok=True)
         run.log_file.write_text("")

@@ -21,7 +21,7 @@ from evaluation.processes.watch import Failed, Watch
 from evaluation.tables import Table, percent
 from evaluation.truth.world_truth import Ground, seen
 from experiments.map_system import REACH, SCANS, WANTED, Mapper, map_system
-from experiments.run import Display, Run, telling
+from experiments.run import DRIVER, RECORDER, Display, Run, telling
 from experiments.survey import Survey
 
 WORLD = "landing"
@@ -114,13 +114,14 @@ def map_table(scores: Mapping[str, MapScore], drive: str) -> Table:
 def drive_round(run: Run, mapper: Mapper, steps: Sequence[Step], display: Display) -> Drive:
     """Run the services, lead the robot along the steps, and end all. Raises Failed, ConfigRefused, SystemExit."""
     mount = run.config("capture", CaptureConfig)
-    with map_system(run, WORLD, mapper, mount.mounted_floor()) as system, ExitStack() as opened:
+    with map_system(run, WORLD, mapper, mount.mounted_floor()) as hosts, ExitStack() as opened:
         run.stop.patient = True
-        survey, watch = Survey(steps, SCANS, system.bus.publisher(VELOCITY)), Watch(system, WANTED, "driving")
+        bus, driver = (opened.enter_context(hosts.bus(role)) for role in (RECORDER, DRIVER))
+        survey, watch = Survey(steps, SCANS, driver.publisher(VELOCITY)), Watch(hosts, WANTED, "driving")
         feed: TruthFeed | None = None
-        for path, payload in display.attend(watch, survey, run.stop, WORLD, EXPECTED):
-            if feed is None and "capture" in system.alive:
-                feed = TruthFeed(f"{system.plan.folder}/frames")
+        for path, payload in display.attend(bus, watch, survey, run.stop, WORLD, EXPECTED):
+            if feed is None and "capture" in hosts.alive:
+                feed = TruthFeed(f"{hosts.robot.plan.folder}/frames")
                 opened.callback(feed.close)
             survey.receive(path, payload, go=watch.started and feed is not None)
         truth = dict(feed.by_stamp) if feed else {}

@@ -11,6 +11,7 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
 
 from cliffscan.common.runtime import config as configuration
+from cliffscan.common.runtime.bus import Bus
 from cliffscan.common.runtime.config import C
 from cliffscan.common.runtime.latest_queue import LatestQueue
 from cliffscan.common.runtime.service import StopSignal
@@ -21,6 +22,7 @@ from evaluation.processes.service_log import ServiceLog
 from evaluation.processes.watch import Goal, Watch
 from evaluation.tables import Table
 
+RECORDER, DRIVER = "recorder", "driver"  # roles of the experiment itself
 ROOM = 1024  # samples that may wait to be read: some seconds of all keys
 TURN = 0.1  # [s] the longest wait, so how often the processes are looked after
 
@@ -33,6 +35,7 @@ class Run:
     stop: StopSignal
     out: Path
     overrides: Sequence[str]  # SERVICE.KEY=VALUE
+    secure: bool = False  # with keys, robot and workstation each behind a router of its own
 
     @property
     def log_file(self) -> Path:
@@ -72,7 +75,7 @@ class Display(NamedTuple):
                 self.progress.console.print(f"  {line}", markup=False, highlight=False, soft_wrap=True)
 
     def attend(
-        self, watch: Watch, goal: Goal, stop: StopSignal, name: str, expected: tuple[str, ...] = ()
+        self, bus: Bus, watch: Watch, goal: Goal, stop: StopSignal, name: str, expected: tuple[str, ...] = ()
     ) -> Iterator[tuple[str, bytes]]:
         """What is published on the goal's paths, with its path, until the goal is reached; all is looked after.
 
@@ -80,7 +83,7 @@ class Display(NamedTuple):
         """
         queue: LatestQueue[tuple[str, bytes]] = LatestQueue(ROOM)
         for path in goal.paths:
-            watch.system.bus.subscribe(path, lambda key, payload: queue.put((key, payload)))
+            bus.subscribe(path, lambda key, payload: queue.put((key, payload)))
         task = self.progress.add_task(name, total=goal.total)
         while goal.done < goal.total:
             watch.look(goal)

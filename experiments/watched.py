@@ -9,12 +9,12 @@ from cliffscan.common.contract.base_messages import Odometry, Velocity
 from cliffscan.common.contract.topics import ODOMETRY, VELOCITY
 from cliffscan.common.runtime.bus import Publisher
 from cliffscan.common.runtime.config import SENSING
-from cliffscan.system import TURN, Plan, System
-from evaluation.processes.network import free_endpoint
+from cliffscan.system import TURN, Plan
+from evaluation.processes.hosts import running
 from evaluation.processes.steering import Driver, Step
 from experiments.map_system import RATE, Mapper, mapping
 from experiments.mapping import WORLD
-from experiments.run import Run
+from experiments.run import DRIVER, Run
 from experiments.survey import COMMAND_PERIOD
 
 MAPPED = "fused"  # the scan that is mapped
@@ -46,25 +46,27 @@ class Rounds:
 def run_view(run: Run, steps: Sequence[Step], mapper: Mapper, port: int) -> None:
     """Drive and serve the page until Ctrl-C. Raises ConfigRefused, where the port is taken too."""
     overrides = [f"capture.rate={RATE}", *run.overrides]
-    plan = Plan(f"demo-{os.getpid()}", [free_endpoint()], overrides=overrides, world=WORLD)
+    plan = Plan(f"demo-{os.getpid()}", overrides=overrides, world=WORLD)
     own = replace(run, out=run.out / "view")  # the map that was scored stays
     run.stop.patient = True
-    with System(plan, run.stop) as system:
+    with running(plan, run.stop, run.secure) as hosts, hosts.bus(DRIVER) as bus:
+        system = hosts.workstation
         system.supervisor.start("view", page(system.plan, port))
         system.supervisor.start(f"map_{MAPPED}", mapping(own, mapper, system.plan, MAPPED))
-        rounds = Rounds(steps, system.bus.publisher(VELOCITY))
+        rounds = Rounds(steps, bus.publisher(VELOCITY))
 
         def moved(_path: str, payload: bytes) -> None:
-            if system.alive.issuperset(WANTED):
+            if hosts.alive.issuperset(WANTED):
                 rounds.moved(Odometry.decode(payload))
 
-        system.bus.subscribe(ODOMETRY.path, moved)
+        bus.subscribe(ODOMETRY.path, moved)
         run.console.print("The drive goes on, with a page to watch it; Ctrl-C ends both.")
         while not run.stop.wait(TURN):
-            system.poll()
+            hosts.poll()
 
 
 def page(plan: Plan, port: int) -> list[str]:
     """The command line of the page's server, which prints its address."""
     network = ["--robot", plan.robot, "--mode", "client", "--connect", plan.endpoint]
+    network += ["--secure", str(plan.secure)] if plan.secure else []
     return [sys.executable, "-m", "cliffscan", "view", *network, "--port", str(port)]

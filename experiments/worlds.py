@@ -10,14 +10,14 @@ from cliffscan.common.runtime.config import SENSING, ConfigError
 from cliffscan.services.negative.config import NegativeConfig
 from cliffscan.services.negative.methods import METHODS
 from cliffscan.simulator.world import World
-from cliffscan.system import Plan, System
-from evaluation.processes.network import free_endpoint
+from cliffscan.system import Plan
+from evaluation.processes.hosts import running
 from evaluation.processes.watch import Watch
 from evaluation.truth.world_truth import world_truth
 from experiments.edges import Score, edge_table, score
 from experiments.frames import Frame, Gathering
 from experiments.pictures import world_pictures
-from experiments.run import Display, Run, telling
+from experiments.run import RECORDER, Display, Run, telling
 
 RATE = 10.0  # [Hz]: what is measured is where scans are right, on a slow machine too
 
@@ -86,11 +86,11 @@ def collect(run: Run, world: str, goal: FirstFrames, display: Display) -> None:
     Raises Failed, ConfigRefused, SystemExit when told to stop.
     """
     capture = [f"capture.world={world}", "capture.source=simulator", f"capture.rate={RATE}"]
-    with System(
-        Plan(f"demo-{os.getpid()}", [free_endpoint()], overrides=[*run.overrides, *capture]), run.stop
-    ) as system:
+    plan = Plan(f"demo-{os.getpid()}", overrides=[*run.overrides, *capture])
+    with running(plan, run.stop, run.secure) as hosts, hosts.bus(RECORDER) as bus:
         run.stop.patient = True
-        for arrived in display.attend(Watch(system, SENSING, "collecting frames"), goal, run.stop, world):
+        watch = Watch(hosts, SENSING, "collecting frames")
+        for arrived in display.attend(bus, watch, goal, run.stop, world):
             goal.receive(*arrived)
     run.stop.patient = False
     display.tell()

@@ -52,16 +52,19 @@ class Subscription:
 
 
 class Peer:
-    """A session like that of a ROS node, which a router leads to the others."""
+    """A session like that of a ROS node, which a router leads to the others.
 
-    def __init__(self, endpoint) -> None:
-        config = zenoh.Config()
+    file: its Zenoh file; domain: of which it sees the graph, all where it is a wild card.
+    """
+
+    def __init__(self, endpoint, file=None, domain="*") -> None:
+        config = zenoh.Config.from_file(str(file)) if file else zenoh.Config()
         config.insert_json5("connect/endpoints", f'["{endpoint}"]')
         config.insert_json5("scouting/multicast/enabled", "false")
         self.session = zenoh.open(config)
         self._tokens = set()
         self._changed = threading.Condition()
-        self.session.liveliness().declare_subscriber(f"{LIVELINESS}/**", self._token, history=True)
+        self.session.liveliness().declare_subscriber(f"{LIVELINESS}/{domain}/**", self._token, history=True)
         self._sequence = 0
 
     def _token(self, sample):

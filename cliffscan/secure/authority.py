@@ -62,12 +62,13 @@ def issue(
 ) -> x509.Certificate:
     """A certificate for the holder of a key; one without `hosts` cannot stand in for a router.
 
+    It ends with the authority's own at the latest, for nobody believes it any longer.
     hosts: of a router, the names and addresses by which it is reached beside those of THIS_MACHINE.
     """
     root = authority.certificate
     purposes = [ExtendedKeyUsageOID.CLIENT_AUTH, *([] if hosts is None else [ExtendedKeyUsageOID.SERVER_AUTH])]
     builder = (
-        _builder(_name(robot, role), root.subject, public_key, life)
+        _builder(_name(robot, role), root.subject, public_key, min(life, root.not_valid_after_utc - datetime.now(UTC)))
         .add_extension(x509.BasicConstraints(ca=False, path_length=None), critical=True)
         .add_extension(x509.ExtendedKeyUsage(purposes), critical=False)
         .add_extension(x509.AuthorityKeyIdentifier.from_issuer_public_key(authority.key.public_key()), critical=False)

@@ -9,6 +9,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from cliffscan.common.contract.ros_keys import DOMAIN, LAST_DOMAIN
 from cliffscan.common.runtime import options
 from cliffscan.common.runtime.secure import SecureError
 
@@ -36,6 +37,8 @@ def add_keys(commands: Commands) -> None:
     options.add_robot(made)
     text = "name or address of the robot's host, and of others with a router; repeatable, the robot's first"
     made.add_argument("--host", action="append", default=[], metavar="NAME", help=text)
+    text = f"ROS_DOMAIN_ID of its ROS 2 nodes, {DOMAIN} by default"
+    made.add_argument("--ros-domain", type=int, choices=range(LAST_DOMAIN + 1), default=DOMAIN, metavar="N", help=text)
     issued = add("issue", issue, "Make the keys of one role anew, or those of a further sensor.")
     issued.add_argument("role", help="as negative, or sensor-NAME for what publishes scan/NAME")
     for each in (made, issued, add("renew", renew, "Make new certificates for all keys, before the old ones expire.")):
@@ -47,7 +50,7 @@ def add_keys(commands: Commands) -> None:
 
 def init(arguments: argparse.Namespace, folder: KeyFolder) -> int:
     """Make everything."""
-    folder.init(arguments.robot, arguments.host, timedelta(days=arguments.days))
+    folder.init(arguments.robot, arguments.host, timedelta(days=arguments.days), arguments.ros_domain)
     print(f"{folder.directory}: keys of robot {arguments.robot} for {', '.join(folder.roles())}")
     print("Copy to each host the folders of the roles that run there, and give its processes --secure.")
     print(f"{folder.directory}/ca/key.pem makes keys for any role. Keep it off the robot, where nobody else reads it.")

@@ -16,12 +16,23 @@ from cryptography.hazmat.primitives.serialization import (
 )
 
 from cliffscan.common.contract.roles import ROLES, SENSOR, Role, is_sensor, role_names, sensor
+from cliffscan.common.contract.ros_keys import DOMAIN
 from cliffscan.common.runtime import zenoh_config
-from cliffscan.common.runtime.identity import SOON, examine, read_certificate
-from cliffscan.common.runtime.secure import CERTIFICATE, CONFIG, KEY, ROOT, ROUTERS, TLS, SecureError
+from cliffscan.common.runtime.identity import SOON, examine, identity_of, read_certificate
+from cliffscan.common.runtime.secure import (
+    CERTIFICATE,
+    CONFIG,
+    KEY,
+    ROOT,
+    ROS_DOMAIN,
+    ROUTERS,
+    TLS,
+    SecureError,
+)
 from cliffscan.common.runtime.suggest import suggest
 from cliffscan.secure import role_file
 from cliffscan.secure.authority import LONGEST_NAME, Authority, issue, make_authority, new_key
+from cliffscan.secure.role_file import MadeFor
 
 CA, MADE_FOR = "ca", "made_for.json"
 LIFE = timedelta(days=365)
@@ -35,7 +46,7 @@ class KeyFolder:
         self.directory = directory.resolve()
         self._ca = self.directory / CA
 
-    def init(self, robot: str, hosts: Sequence[str], life: timedelta = LIFE) -> None:
+    def init(self, robot: str, hosts: Sequence[str], life: timedelta = LIFE, ros_domain: int = DOMAIN) -> None:
         """Make the CA and the keys of all roles. Raises SecureError where there are some."""
         if self.directory.exists() and any(self.directory.iterdir()):
             raise SecureError(
@@ -43,6 +54,8 @@ class KeyFolder:
             )
         if len(robot) > LONGEST_NAME:
             raise SecureError(f"--robot {robot}: a certificate has room for {LONGEST_NAME} characters; name it shorter")
+        if robot.partition("/")[0] == str(ros_domain):
+            raise SecureError(f"--robot {robot}: its keys would be those of ROS domain {ros_domain}; name it otherwise")
         authority = make_authority(robot)
         try:
             _make_folder(self.directory)
@@ -51,8 +64,8 @@ class KeyFolder:
             raise SecureError(f"{error.filename}: {error.strerror}; name another folder") from error
         _write(self._ca / KEY, _pem(authority.key), SECRET)
         _write(self._ca / CERTIFICATE, authority.certificate.public_bytes(Encoding.PEM), PUBLIC)
-        made_for = {"robot": robot, "hosts": list(hosts)}
-        _write(self._ca / MADE_FOR, json.dumps(made_for).encode(), PUBLIC)
+        made_for = MadeFor(robot, list(hosts), ros_domain)
+        _write(self._ca / MADE_FOR, json.dumps(made_for._asdict()).encode(), PUBLIC)
         for role in role_names():
             self._issue(role, new_key(), life)
 
@@ -106,6 +119,8 @@ class KeyFolder:
             yield role, f"valid until {identity.ends:%Y-%m-%d}, {identity.days} days{remedy}", not soon
         if (self._ca / KEY).exists() and (fault := _open_to_others(self._ca / KEY)):
             yield CA, fault, False
+        if self._ca.is_dir() and (fault := _ends_soon(self._ca / CERTIFICATE)):
+            yield CA, fault, False
 
     def roles(self) -> list[str]:
         """The roles whose folders are here. Raises SecureError where there are none."""
@@ -125,18 +140,16 @@ class KeyFolder:
 
     def _certify(self, role: str, public_key: Any, life: timedelta) -> None:  # noqa: ANN401 - of any kind
         made_for = self._made_for()
-        hosts = made_for["hosts"] if role in ROUTERS else None
-        certificate = issue(self._authority(), made_for["robot"], role, public_key, life, hosts)
+        hosts = made_for.hosts if role in ROUTERS else None
+        certificate = issue(self._authority(), made_for.robot, role, public_key, life, hosts)
         _write(self.directory / role / CERTIFICATE, certificate.public_bytes(Encoding.PEM), PUBLIC)
 
     def _settings(self, role: str) -> dict[str, Any]:
         """What the Zenoh file of a role should be."""
-        made_for = self._made_for()
-        folder = self.directory / role
-        return role_file.zenoh_settings(folder, role, made_for["robot"], made_for["hosts"], self._table())
+        return role_file.zenoh_settings(self.directory / role, role, self._made_for(), self._table())
 
     def _write_file(self, role: str) -> None:
-        words = role_file.text(self._settings(role), role, self._made_for()["robot"])
+        words = role_file.text(self._settings(role), role, self._made_for().robot)
         _write(self.directory / role / CONFIG, words.encode(), PUBLIC)
 
     def _fault_of_file(self, role: str) -> str:
@@ -148,12 +161,13 @@ class KeyFolder:
             written = zenoh_config.written_in(file)
         except zenoh_config.Refused:
             return f"{file}: is no Zenoh file: `cliffscan keys renew {self.directory}` writes it anew"
-        for key, value in expected["transport"]["link"]["tls"].items():
-            is_now = zenoh_config.given_value(written, f"{TLS}/{key}")
+        for key in [*(f"{TLS}/{name}" for name in expected["transport"]["link"]["tls"]), ROS_DOMAIN]:
+            is_now, value = (zenoh_config.given_value(each, key) for each in (written, expected))
             if is_now != value:
-                return f"{file}: {key} is {is_now!r}, expected {value!r}: `cliffscan keys renew {self.directory}`"
+                what = f"{key.rpartition('/')[2]} is {is_now!r}, expected {value!r}"
+                return f"{file}: {what}: `cliffscan keys renew {self.directory}`"
         if written.get("access_control") != expected.get("access_control"):
-            remedy = f"`cliffscan keys renew {self.directory}`, copy it to the router and restart that"
+            remedy = f"`cliffscan keys renew {self.directory}`, and copy it to the router"
             return f"{file}: keeps other rules than this version makes: {remedy}"
         return ""
 
@@ -169,9 +183,8 @@ class KeyFolder:
         sensors = sorted(each.name for each in self.directory.glob(f"{SENSOR}*"))
         return [*ROLES, *(sensor(name.removeprefix(SENSOR)) for name in sensors)]
 
-    def _made_for(self) -> dict[str, Any]:
-        made_for: dict[str, Any] = json.loads(self._read(self._ca / MADE_FOR))
-        return made_for
+    def _made_for(self) -> MadeFor:
+        return MadeFor(**json.loads(self._read(self._ca / MADE_FOR)))
 
     def _authority(self) -> Authority:
         key = load_pem_private_key(self._read(self._ca / KEY), None)
@@ -191,6 +204,13 @@ def _open_to_others(file: Path) -> str:
     """That others may read a secret file; empty where they may not."""
     mode = file.stat().st_mode & 0o777
     return f"{file}: others may read it ({mode:o}): `chmod 600 {file}`" if mode & 0o077 else ""
+
+
+def _ends_soon(authority: Path) -> str:
+    """That a CA's certificate ends soon; empty where it does not. Raises SecureError."""
+    found = identity_of(read_certificate(authority))
+    remedy = "and all keys with it: make others by `cliffscan keys init`"
+    return f"{authority}: ends on {found.ends:%Y-%m-%d}, {remedy}" if found.days < SOON else ""
 
 
 def _make_folder(folder: Path) -> None:

@@ -9,7 +9,7 @@ from typing import Any
 from cliffscan.common.contract.roles import NEIGHBOURS, ROLES, Role
 from cliffscan.common.contract.topics import TOPICS, Topic
 
-HEADER = "| role | of | publishes | receives | asks of the base |\n|---|---|---|---|---|"
+HEADER = "| role | of | publishes | receives | asks of the base | in ROS 2 |\n|---|---|---|---|---|---|"
 
 
 def table() -> str:
@@ -25,7 +25,7 @@ def row(role: Role) -> str:
     published = ", ".join(filter(None, (paths(role.publishes), own)))
     received = "all" if set(role.receives) == set(TOPICS) else paths(role.receives)
     asked = ", ".join("anything" if name == "*" else f"`{name}`" for name in role.asks)
-    cells = (f"`{role.name}`", role.what, *(each or "nothing" for each in (published, received, asked)))
+    cells = (f"`{role.name}`", role.what, *(each or "nothing" for each in (published, received, asked)), role.ros.value)
     return f"| {' | '.join(cells)} |"
 
 

@@ -3,19 +3,28 @@
 import json
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
-from cliffscan.common.contract.roles import ROUTER, WORKSTATION_ROUTER, Role
+from cliffscan.common.contract.roles import ROS_NODES, ROUTER, WORKSTATION_ROUTER, Role
+from cliffscan.common.contract.ros_keys import DOMAIN
 from cliffscan.common.runtime.access_rules import access_control
-from cliffscan.common.runtime.secure import ROUTERS, TLS, tls_settings
+from cliffscan.common.runtime.secure import ROS_DOMAIN, ROUTERS, TLS, tls_settings
 from cliffscan.common.runtime.zenoh_config import DEFAULTS
 
 PORT = 7447
 HERE = f"tls/127.0.0.1:{PORT}"  # each host's processes use the router on it
 
 
-def zenoh_settings(folder: Path, role: str, robot: str, hosts: Sequence[str], roles: Iterable[Role]) -> dict[str, Any]:
-    """The settings of a role whose files are in `folder`, as Zenoh nests them. hosts: of routers, the robot's first."""
+class MadeFor(NamedTuple):
+    """What keys are made for: a robot, the hosts of routers, its own first, and its domain of ROS 2."""
+
+    robot: str
+    hosts: Sequence[str]
+    ros_domain: int = DOMAIN
+
+
+def zenoh_settings(folder: Path, role: str, made_for: MadeFor, roles: Iterable[Role]) -> dict[str, Any]:
+    """The settings of a role whose files are in `folder`, as Zenoh nests them. roles: that routers admit."""
     settings: dict[str, object] = {
         **DEFAULTS,
         "scouting/multicast/enabled": False,
@@ -23,10 +32,13 @@ def zenoh_settings(folder: Path, role: str, robot: str, hosts: Sequence[str], ro
         f"{TLS}/enable_mtls": True,
         f"{TLS}/verify_name_on_connect": True,
         f"{TLS}/close_link_on_expiration": True,
-        **_place(role, hosts),
+        **_place(role, made_for.hosts),
+        ROS_DOMAIN: made_for.ros_domain,
     }
+    if role == ROS_NODES:
+        settings["timestamping/enabled"] = True  # rmw_zenoh keeps no last samples without
     if role in ROUTERS:
-        settings["access_control"] = access_control(robot, role, roles)
+        settings["access_control"] = access_control(made_for.robot, role, roles, made_for.ros_domain)
     return _nested(settings)
 
 

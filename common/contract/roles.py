@@ -1,12 +1,13 @@
 """The roles of a secured network. Each role is one row: it publishes and receives rows of topics.py.
 
 A role is the common name of a certificate. The rules that a secured router keeps follow from this table, and so does
-the table in docs/security.md. What is in no row is refused.
+the table in docs/security.md. What is in no row is refused. A row holds below each of the names() of a robot.
 """
 
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
+from enum import Enum
 from typing import Any
 
 from cliffscan.common.contract.topics import (
@@ -30,23 +31,30 @@ from cliffscan.common.contract.topics import (
     TOPICS,
     VELOCITY,
     VELOCITY_SAFE,
+    WORKSTATION,
     Topic,
-    at_workstation,
     scan,
 )
 
 ROUTER, WORKSTATION_ROUTER = "router", "router-workstation"
+ROS_NODES = "ros2-nodes"
 SENSOR = "sensor-"  # and the last part of its scan's key
 SENSOR_NAME = re.compile(r"[A-Za-z0-9_.-]+")
 ANY_COMMAND = ("*",)
 BASE = (ODOMETRY, BASE_STATE, SAFETY)
 FUSED = (SCAN_FUSED, SCAN_SAFE)
 SCANS = (SCAN_POSITIVE, SCAN_NEGATIVE, SCAN_OF_METHOD, *FUSED, SCAN)
-SENT = (at_workstation(DEPTH), at_workstation(DESCRIPTION))  # to a perception that works for the robot's
-BACK = at_workstation(SCAN_FUSED)
 MAPS = (MAP, MAP_OF_PLUGIN, POSE, POSE_OF_PLUGIN)
 
 Rows = tuple[Topic[Any], ...]
+
+
+class Ros(Enum):
+    """What a role may in the ROS 2 domain of its robot, in which no node is guarded from another."""
+
+    NOTHING = "nothing"
+    RECEIVE = "receives"
+    ALL = "all"
 
 
 @dataclass(frozen=True)
@@ -66,6 +74,7 @@ class Role:
     asks: tuple[str, ...] = ()
     answers: tuple[str, ...] = ()
     wild: bool = False
+    ros: Ros = Ros.NOTHING
 
 
 def _service(
@@ -75,15 +84,16 @@ def _service(
     receives: Rows = (),
     services: tuple[str, ...] = (),
     answers: tuple[str, ...] = (),
+    ros: Ros = Ros.NOTHING,
 ) -> Role:
     """The role of a service, which publishes its own token and status, or those of `services`."""
-    return Role(name, what, publishes, receives, services or (name,), answers=answers)
+    return Role(name, what, publishes, receives, services or (name,), answers=answers, ros=ros)
 
 
 PERCEPTION = ("perception", "negative", "positive", "fuse")
 
 ROLES: tuple[Role, ...] = (
-    _service("capture", "the camera", (DEPTH, DESCRIPTION, *SENT), (SCAN_FUSED, DESCRIPTION, BACK)),
+    _service("capture", "the camera", (DEPTH, DESCRIPTION), (SCAN_FUSED, DESCRIPTION), ros=Ros.RECEIVE),
     _service("negative", "negative obstacles", (SCAN_NEGATIVE, SCAN_OF_METHOD), (DEPTH,)),
     _service("positive", "positive obstacles", (SCAN_POSITIVE,), (DEPTH, DESCRIPTION)),
     _service("fuse", "one scan of all", FUSED, (SCAN_POSITIVE, SCAN_NEGATIVE, SCAN)),
@@ -91,7 +101,7 @@ ROLES: tuple[Role, ...] = (
         "perception",
         "negative, positive and fuse in one process",
         (SCAN_NEGATIVE, SCAN_OF_METHOD, SCAN_POSITIVE, *FUSED),
-        (DEPTH, DESCRIPTION, SCAN, BACK, STATUS),
+        (DEPTH, DESCRIPTION, SCAN_FUSED, SCAN, STATUS),
         services=PERCEPTION,
     ),
     _service(
@@ -117,18 +127,20 @@ ROLES: tuple[Role, ...] = (
         TOPICS,
         services=("ros2",),
         asks=("stop",),
+        ros=Ros.ALL,
     ),
+    Role(ROS_NODES, "the nodes of a ROS 2 stack", ros=Ros.ALL),
     Role(
         "driver", "what drives: a planner, a person", (VELOCITY,), (*BASE, *SCANS, *MAPS, DESCRIPTION), asks=ANY_COMMAND
     ),
     Role("operator", "a person who commands and does not drive", (), TOPICS, asks=ANY_COMMAND, wild=True),
-    Role("slam", "a SLAM plug-in", MAPS, (*FUSED, ODOMETRY, DESCRIPTION), services=("slam", "slam-$*")),
+    Role("slam", "a SLAM plug-in", MAPS, (*SCANS, ODOMETRY, DESCRIPTION), services=("slam", "slam-$*")),
     Role("viewer", "a look", (), (*SCANS, *BASE, IMU, STATUS, *MAPS, DESCRIPTION), wild=True),
     Role("recorder", "a recording", (), TOPICS, wild=True),
 )
 
 _TO_ROBOT = (SCAN_POSITIVE, SCAN_NEGATIVE, SCAN_OF_METHOD, *FUSED, VELOCITY)
-_FROM_ROBOT = (DEPTH, DESCRIPTION, *BASE, IMU, SCAN_POSITIVE, SCAN_NEGATIVE, SCAN_OF_METHOD, *FUSED)
+_FROM_ROBOT = (DEPTH, DESCRIPTION, *BASE, IMU, *SCANS)
 
 # What a router admits from the other one, by its own role: neither passes on what the other's side must not publish.
 NEIGHBOURS: Mapping[str, Role] = {
@@ -137,9 +149,10 @@ NEIGHBOURS: Mapping[str, Role] = {
         "the workstation's router",
         _TO_ROBOT,
         (*_FROM_ROBOT, STATUS),
-        services=(*PERCEPTION, "router-$*"),
+        services=(*PERCEPTION, "ros2", "router-$*"),
         asks=("stop",),
         wild=True,
+        ros=Ros.ALL,
     ),
     WORKSTATION_ROUTER: Role(
         ROUTER,
@@ -149,8 +162,17 @@ NEIGHBOURS: Mapping[str, Role] = {
         services=("*",),
         answers=("stop",),
         wild=True,
+        ros=Ros.ALL,
     ),
 }
+
+
+def names(robot: str) -> tuple[str, str]:
+    """For which names a robot's keys are good: its own, and that of a perception that works for the robot's.
+
+    What is published below the second reaches nothing but that perception, and by it what its role reaches anyway.
+    """
+    return robot, f"{robot}/{WORKSTATION}"
 
 
 def sensor(name: str) -> Role:
@@ -179,11 +201,13 @@ def role_named(name: str) -> Role | None:
 
 def may_publish(role: Role, path: str) -> bool:
     """Whether a role may publish at a path below the robot's name."""
+    path = path.removeprefix(f"{WORKSTATION}/")
     return any(_covers(topic, path) for topic in role.publishes) or path in _statuses(role)
 
 
 def may_receive(role: Role, path: str) -> bool:
     """Whether a role may subscribe to a path below the robot's name."""
+    path = path.removeprefix(f"{WORKSTATION}/")
     return (role.wild and "*" in path) or any(_covers(topic, path) for topic in role.receives)
 
 

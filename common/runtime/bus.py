@@ -93,8 +93,9 @@ class Bus:
         other._begin(robot)
         return other
 
-    def foreign_keys(self) -> ForeignKeys:
-        """Keys of another protocol in the same session; retract() leaves them."""
+    def ros_keys(self, domain: int) -> ForeignKeys:
+        """Keys of a domain of ROS 2 in the same session; retract() leaves them."""
+        self._door.check_ros_domain(domain)
         return ForeignKeys(self._session, self._readers)
 
     def raw_samples(self) -> RawSamples:

@@ -11,8 +11,9 @@ from typing import Self
 
 from cliffscan.common.contract.roles import ROLES, Role, may_publish, may_receive, role_named
 from cliffscan.common.contract.topics import alive
-from cliffscan.common.runtime.secure import CERTIFICATE, Credentials, SecureError
+from cliffscan.common.runtime.secure import CERTIFICATE, CONFIG, ROS_DOMAIN, Credentials, SecureError
 from cliffscan.common.runtime.tls_probe import why_unreachable
+from cliffscan.common.runtime.zenoh_config import given_value, written_in
 
 FIRST_LOOK, LOOK = 0.5, 2.0  # [s] after the start, and between two looks
 ADMISSION = 3  # looks in which a router that admits us has shown itself
@@ -48,6 +49,11 @@ class Keys:
     def role(self) -> Role | None:
         """The row of the role; None for a router."""
         return role_named(self.credentials.role)
+
+    @property
+    def ros_domain(self) -> object:
+        """The domain of ROS 2 for which the keys were made; None where they were made before there was one."""
+        return given_value(written_in(self.credentials.folder / CONFIG), ROS_DOMAIN)
 
     def expiry(self) -> str:
         """That the certificate ends soon, or has ended; empty otherwise. Raises SecureError."""
@@ -131,6 +137,13 @@ class Door:
         if role and not may_receive(role, path):
             others = _names(may_receive, path)
             log.warning("%s may not receive %s: a secured router passes nothing of it; %s may", role.name, path, others)
+
+    def check_ros_domain(self, domain: int) -> None:
+        """Log that the router has no rules for a domain of ROS 2."""
+        if self._keys and self._keys.ros_domain != domain:
+            remedy = f"make keys by `cliffscan keys init --ros-domain {domain}`, or configure the domain of these"
+            made_for = f"these keys are for {self._keys.ros_domain}"
+            log.warning("ROS domain %d: a secured router passes nothing of it, %s: %s", domain, made_for, remedy)
 
     def notice(self) -> str:
         """What a person should know of the keys, and that nothing passes; empty where there is nothing."""

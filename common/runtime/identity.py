@@ -14,6 +14,7 @@ from cryptography.exceptions import InvalidSignature
 from cryptography.hazmat.primitives.serialization import Encoding, PublicFormat, load_pem_private_key
 from cryptography.x509.oid import NameOID
 
+from cliffscan.common.contract.roles import names
 from cliffscan.common.runtime.secure import CERTIFICATE, CONFIG, FILES, KEY, ROOT, SecureError
 
 OWNER = "run this as the user whose keys they are"
@@ -89,11 +90,11 @@ def _check_name(folder: Path, identity: Identity, role: str, robots: Sequence[st
     file = folder / CERTIFICATE
     if identity.role != role:
         raise SecureError(f"{file}: is the certificate of {identity.role!r}, expected {role!r}; {_remedy(file)}")
-    others = [robot for robot in robots if robot != identity.robot]
+    others = [robot for robot in robots if robot not in names(identity.robot)]
     if others:
         raise SecureError(
             f"{file}: is of robot {identity.robot!r}, expected {others[0]!r}:"
-            f" give --robot {identity.robot}, or the keys of {others[0]}"
+            f" give --robot {identity.robot} alone; each robot has keys and processes of its own"
         )
 
 

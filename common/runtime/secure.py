@@ -11,6 +11,7 @@ ROOT, CERTIFICATE, KEY, CONFIG = "ca.pem", "cert.pem", "key.pem", "zenoh.json5"
 FILES = (ROOT, CERTIFICATE, KEY, CONFIG)
 ROUTERS = (ROUTER, WORKSTATION_ROUTER)
 TLS = "transport/link/tls"
+ROS_DOMAIN = "metadata/ros_domain"  # in a role's Zenoh file: the domain of ROS 2 for which the routers have rules
 
 
 class SecureError(ValueError):

@@ -24,7 +24,7 @@ M = TypeVar("M", bound=Message)
 def serve(service: Service[Ros2Config]) -> None:
     """Be the node until asked to end."""
     config = service.config
-    node = Node(service.bus.foreign_keys(), service.metrics, NODE, config.namespace, config.domain)
+    node = Node(service.bus.ros_keys(config.domain), service.metrics, NODE, config.namespace, config.domain)
     outgoing = feeds(service, node)
 
     def pass_on(topic: Topic[M], convert: Callable[[Reader], M]) -> Callable[[Reader], None]:

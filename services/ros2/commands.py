@@ -51,7 +51,9 @@ def trigger(bus: Bus, name: str) -> bytes:
     """Pass a std_srvs/Trigger on to the base as its command `name`; the base's answer, as a response."""
     answer = bus.ask(command(name), {}, ANSWER_WITHIN)
     if answer is None:
-        return trigger_response(success=False, text=f"nobody answers {command(name)}: no base is running")
+        return trigger_response(
+            success=False, text=f"nobody answers {command(name)}: no base is running, or keys forbid it"
+        )
     return trigger_response(bool(answer.get("ok")), str(answer.get("message", "")))
 
 

@@ -14,12 +14,12 @@ import xxhash
 
 from cliffscan.common.contract.limits import SMALL
 from cliffscan.common.contract.message import MessageError
+from cliffscan.common.contract.ros_keys import TOKENS
 from cliffscan.common.runtime.foreign_keys import ForeignKeys, ForeignPublisher, Received
 from cliffscan.common.runtime.metrics import ServiceMetrics
 from cliffscan.services.ros2.cdr import CdrError, Reader
 from cliffscan.services.ros2.interfaces import Interface
 
-TOKENS = "@ros2_lv"
 NODE_ID = 0  # the session has one node
 ENCLAVE = "%"  # none
 ATTACHMENT = struct.Struct("<qqB16s")

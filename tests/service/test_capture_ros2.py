@@ -75,8 +75,9 @@ def transform(parent, child, translation, rotation):
 class Driver(Peer):
     """A camera's driver: its pictures and CameraInfo at 30 Hz, its transforms once."""
 
-    def __init__(self, endpoint) -> None:
-        super().__init__(endpoint)
+    def __init__(self, *place) -> None:
+        """place: as of a Peer."""
+        super().__init__(*place)
         self.depth, self.make, self.topic, self.kind = SCENE, image, TOPIC, IMAGE
         self.metres, self.changes, self.info = False, {}, info
         self.stamps = []

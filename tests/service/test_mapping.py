@@ -12,8 +12,9 @@ def cells(text):
 
 
 @pytest.mark.slow
-def test_a_drive_is_mapped_from_three_scans_and_scored(tmp_path):
-    done = experiments("--map", "--route", "0.3,0", "--out", tmp_path)
+@pytest.mark.parametrize("keys", [[], ["--secure"]], ids=["one router", "keys, two routers"])
+def test_a_drive_is_mapped_from_three_scans_and_scored(tmp_path, keys):
+    done = experiments("--map", "--route", "0.3,0", *keys, "--out", tmp_path)
     assert done.returncode == 0, done.stdout + done.stderr
     assert "0 bumps" in done.stdout
     assert "not reached" not in done.stdout

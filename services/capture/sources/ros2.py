@@ -37,7 +37,7 @@ class Ros2Depth:
         self._calibration: Calibration | None = None
         self._joints: list[Joint] = []
         self._opened_at = self._received_at = time.monotonic()
-        self._keys = service.bus.foreign_keys()
+        self._keys = service.bus.ros_keys(config.domain)
         node = Node(self._keys, service.metrics, NODE, "", config.domain)
         info, transforms = info_topic(self._topic).strip("/"), interfaces.TF_MESSAGE
         node.subscribe("tf_static", transforms, lambda each: self._placed(wire.joints(each)), Profile.LATCHED)

@@ -10,9 +10,10 @@ import pytest
 import zenoh
 
 from cliffscan.cli import build_parser
-from cliffscan.common.contract.roles import ROLES, role_names
+from cliffscan.common.contract.roles import role_names
+from cliffscan.common.runtime.identity import read_certificate
 from cliffscan.common.runtime.secure import FILES, SecureError
-from cliffscan.run import service_names
+from cliffscan.secure import authority
 from cliffscan.secure.folder import KeyFolder
 
 
@@ -38,11 +39,6 @@ def wrong(folder):
 def cliffscan(*words):
     arguments = build_parser().parse_args(["keys", *map(str, words)])
     return arguments.command(arguments, None)
-
-
-def test_every_service_has_a_role():
-    """A line in common/contract/roles.py gives it one."""
-    assert {role.name for role in ROLES} >= set(service_names())
 
 
 def test_each_role_has_its_files_and_nobody_else_reads_the_secret_ones(made):
@@ -72,6 +68,21 @@ def test_the_workstations_router_joins_the_robots_host(made):
 def test_what_was_made_is_well(made, capsys):
     assert cliffscan("check", made) == 0
     assert capsys.readouterr().out.count("ok ") == len(role_names())
+
+
+def test_keys_are_for_a_domain_of_ros(tmp_path, made):
+    assert cliffscan("init", tmp_path / "keys", "--robot", "r", "--ros-domain", "5") == 0
+    rules = (tmp_path / "keys/router/zenoh.json5").read_text()
+    assert '"5/**"' in rules
+    assert '"0/**"' not in rules
+    assert '"0/**"' in (made / "router/zenoh.json5").read_text()
+
+
+@pytest.mark.parametrize("robot", ["5", "5/r"])
+def test_a_robot_whose_keys_would_be_those_of_ros_gets_none(tmp_path, robot):
+    with pytest.raises(SecureError, match=f"--robot {robot}: its keys would be those of ROS domain 5"):
+        KeyFolder(tmp_path / "keys").init(robot, [], ros_domain=5)
+    assert not (tmp_path / "keys").exists()
 
 
 def test_keys_are_never_overwritten(made):
@@ -122,6 +133,15 @@ def test_renewing_keeps_the_key_and_changes_the_certificate(keys):
     assert keys.renew() == []
     after = {name: (keys.directory / "fuse" / name).read_bytes() for name in FILES}
     assert [name for name in FILES if before[name] != after[name]] == ["cert.pem"]
+
+
+def test_no_certificate_outlives_the_authority_whose_end_is_told_in_time(tmp_path, monkeypatch):
+    monkeypatch.setattr(authority, "CA_LIFE", timedelta(days=20))
+    keys = KeyFolder(tmp_path / "keys")
+    keys.init("r", [])
+    ends = {read_certificate(tmp_path / "keys" / name / "cert.pem").not_valid_after_utc for name in ("ca", "fuse")}
+    assert max(ends) - min(ends) < timedelta(minutes=1)
+    assert re.search("ends on .*, and all keys with it: make others by `cliffscan keys init`", wrong(keys)["ca"])
 
 
 def test_a_sensor_gets_keys_and_the_routers_a_rule(keys, capsys):

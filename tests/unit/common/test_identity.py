@@ -2,6 +2,7 @@
 
 import errno
 import os
+import re
 import shutil
 from datetime import timedelta
 from pathlib import Path
@@ -92,6 +93,19 @@ def test_keys_that_are_wrong_are_refused_with_a_remedy(keys, spoil, why, remedy)
     with pytest.raises(BusError, match=f"{why}.*{remedy}") as refused:
         Bus(Network(secure=Credentials(keys / "mine", "fuse", ["mine"])), "mine")
     assert "\n" not in str(refused.value)
+
+
+@pytest.mark.parametrize("robot", ["mine", "mine/workstation"])
+def test_keys_are_good_for_the_robot_and_a_perception_that_works_for_it(keys, robot):
+    assert Keys.of(Credentials(keys / "mine", "perception", [robot])).robot == "mine"
+
+
+@pytest.mark.parametrize("robots", [["*"], ["mine", "other"], ["mine/another"], ["min"]])
+def test_keys_are_good_for_no_other_robot(keys, robots):
+    with pytest.raises(
+        BusError, match=f"is of robot 'mine', expected '{re.escape(robots[-1])}': give --robot mine alone"
+    ):
+        Bus(Network(secure=Credentials(keys / "mine", "perception", robots)), "mine")
 
 
 def test_keys_of_another_user_are_refused_with_a_remedy(keys, monkeypatch):

@@ -14,7 +14,7 @@ class Scripted:
 
     def __init__(self) -> None:
         self.alive = set()
-        self.supervisor = SimpleNamespace(children={"negative": SimpleNamespace(pid=1)})
+        self.children = {"negative": SimpleNamespace(pid=1)}
         self.polled = 0
         self.now = 0.0
 
@@ -29,7 +29,7 @@ def test_a_process_that_was_started_again_has_died():
     system, goal = Scripted(), FirstFrames(3, {})
     watch = system.watch()
     watch.look(goal)
-    system.supervisor.children["negative"].pid = 2
+    system.children["negative"].pid = 2
     with pytest.raises(Failed, match="negative died"):
         watch.look(goal)
     assert system.polled == 2
