@@ -4,7 +4,6 @@ import json
 import os
 import re
 import signal
-import socket
 import subprocess
 import sys
 from pathlib import Path
@@ -14,6 +13,7 @@ import pytest
 from PIL import Image
 
 from tests import scenes
+from tests.service.conftest import DEADLINE, free_port
 
 SCANS = ["farthest_point", "virtual_floor", "paper", "near_edge"]
 TOP = Path(__file__).parents[2]
@@ -140,7 +140,7 @@ def long_run(tmp_path):
 def test_ctrl_c_ends_everything(long_run):
     process, _, started = long_run
     os.killpg(process.pid, signal.SIGINT)
-    _, stderr = process.communicate(timeout=30)
+    _, stderr = process.communicate(timeout=DEADLINE)
     assert process.returncode == 130
     assert stderr == "demo: interrupted; everything has been ended\n"
     assert len(started) == 5
@@ -150,7 +150,7 @@ def test_ctrl_c_ends_everything(long_run):
 def test_a_service_that_dies_ends_everything_with_exit_1(long_run):
     process, log, started = long_run
     next(each for each in started if "cliffscan.services.positive" in each.cmdline()).kill()
-    stdout, stderr = process.communicate(timeout=30)
+    stdout, stderr = process.communicate(timeout=DEADLINE)
     assert process.returncode == 1
     assert f"demo: positive died; everything has been ended; the services' own words: {log}" in stderr
     assert "positive ended (signal 9)" in stdout
@@ -159,8 +159,7 @@ def test_a_service_that_dies_ends_everything_with_exit_1(long_run):
 
 @pytest.mark.slow
 def test_the_page_stays_open_on_the_drive(folder, tmp_path):
-    with socket.create_server(("127.0.0.1", 0)) as free:
-        port = free.getsockname()[1]
+    port = free_port()
     words = command("--data", folder, "--out", tmp_path / "out", "--view", port)
     with subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True) as demo:
         lines = iter(demo.stdout.readline, "")

@@ -7,7 +7,7 @@ import zenoh
 
 from cliffscan.common.contract.roles import ROUTER
 from cliffscan.secure.folder import KeyFolder
-from tests.service.conftest import free_endpoint, wait_until
+from tests.service.conftest import DEADLINE, free_endpoint, wait_until
 
 ROBOT = "r"
 DEPTH, VELOCITY, SAFE = "camera/depth", "base/cmd_vel", "base/cmd_vel_safe"
@@ -74,7 +74,7 @@ class Network:
     def settle(self):
         """Wait until the router has worked off what each session sent, and each session what the router sent it."""
         for role, session in self.sessions.items():
-            tokens = session.liveliness().get(f"{ROBOT}/alive/*")
+            tokens = session.liveliness().get(f"{ROBOT}/alive/*", timeout=DEADLINE)
             assert [str(each.ok.key_expr) for each in tokens] == [f"{ROBOT}/alive/router-here"], role
 
     def close(self):
@@ -159,7 +159,7 @@ def test_a_role_reads_what_it_needs_and_nothing_else(network, wild):
 
 
 def answered(session, key):
-    return any(reply.ok for reply in session.get(f"{ROBOT}/{key}", timeout=5.0))
+    return any(reply.ok for reply in session.get(f"{ROBOT}/{key}", timeout=DEADLINE))
 
 
 def test_only_driver_and_operator_command_the_base_and_clear_an_emergency_stop(network):
