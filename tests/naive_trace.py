@@ -167,7 +167,8 @@ class Trace:
         rate, step = sensor.fall(row), sensor.lines.fall_step[sensor.line]
         depth, lag = (sensor.height - self.level) / rate, self.level - height
         least = of_trace.LAG + of_trace.LAG_SIGMAS * sensor.criteria.noise * depth * sensor.height
-        low = min(self.brink_level, self.usual) - height >= of_trace.KERB
+        kerb = min(max(of_trace.KERB_SHARE * depth, of_trace.KERB_LEAST), of_trace.KERB_MOST)
+        low = min(self.brink_level, self.usual) - height >= kerb
         self.fallen = bool(low if self.fallen else lag > least)
         if self.fallen:
             length = depth - (sensor.height - self.brink_level) / sensor.fall(self.brink)

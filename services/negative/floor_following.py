@@ -76,7 +76,8 @@ BESIDE_ROWS = f32(1.0)  # more rows below than that, and then floor again, are a
 # Fallen away
 LAG, LAG_SIGMAS = f32(0.012), f32(3.0)  # [m] and sigmas of noise below its level, from which floor falls away
 STILL = f32(0.5)  # of that, up to which it does not yet
-KERB = f32(0.05)  # [m] below the brink; less is uneven floor
+KERB_LEAST, KERB_MOST = f32(0.03), f32(0.05)  # [m] below the brink; less is uneven floor,
+KERB_SHARE = f32(0.015)  # of the depth between them: far off, stereo bows a floor by as much
 KERB_LENGTH, KERB_ROWS = f32(0.5), f32(5.0)  # [m] of depth and rows, over which it stays so low
 LEAST_LENGTH = f32(0.001)  # [m] of floor that falls, but not yet so low
 USUAL_LENGTH = f32(0.3)  # [m] of floor whose level counts, where a bump at the brink is higher
@@ -176,7 +177,9 @@ def follow_fall(
         depth = (camera_height - here) / fall
         lag, least = here - height, LAG + LAG_SIGMAS * noise * depth * camera_height
         seen = (going[u] < ZERO) & (floor_row[u] >= ZERO) & (height == height)
-        low = (brink_height if brink_height < last_usual else last_usual) - height >= KERB
+        kerb = KERB_SHARE * depth if KERB_SHARE * depth > KERB_LEAST else KERB_LEAST
+        kerb = kerb if kerb < KERB_MOST else KERB_MOST
+        low = (brink_height if brink_height < last_usual else last_usual) - height >= kerb
         is_fallen = (low if was_fallen else lag > least) if seen else was_fallen
         since = depth - (camera_height - brink_height) / (lines.fall[u] + brink * step)
         floor = seen & (floor_row[u] == at) & (not is_fallen)

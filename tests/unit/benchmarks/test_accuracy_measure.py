@@ -8,9 +8,11 @@ from benchmarks.accuracy.frames import KNOWN, PLANES, SETTLING, UNKNOWN, WOBBLE_
 from benchmarks.accuracy.measure import EVERY, measure
 from benchmarks.accuracy.report import report
 from benchmarks.accuracy.rows import worst
+from benchmarks.accuracy.scans import ANGLES, BEST, all_beams
 from benchmarks.accuracy.setups import BUILD, LEVEL, MOUNTED, SETUPS
 from cliffscan.simulator.kinect import KinectModel
 from evaluation.tables import write_csv
+from evaluation.truth.scene_truth import truth_of
 
 SCAN = "virtual_floor"
 CASES = some_cases(4, seed=3, setups=(LEVEL, MOUNTED))
@@ -119,3 +121,14 @@ def test_a_sensor_has_the_noise_that_its_camera_tells(group):
     off = 1.0 / (frame.depth[near] * 1e-3) - 1.0 / exact[near]
     assert near.sum() > 1000
     assert off.std() == pytest.approx(frame.camera.noise, rel=0.35)
+
+
+@pytest.mark.parametrize("seed", [4, 7, 8])
+def test_before_a_kerb_of_5_cm_that_stereo_smears_floor_ends(seed):
+    case = Case("kerb_5cm", seed, "stereo")
+    (frame,) = frames_of(case, KNOWN)
+    truth, beams = truth_of(scene_of(case), frame.true, ANGLES), all_beams(frame, [BEST], {})[BEST]
+    near = truth.drop & (truth.edge < 1.5)
+    assert near.sum() > 200
+    assert not (beams.clear[near] > truth.edge[near] + 0.1).any()
+    assert np.isfinite(beams.ranges[near]).mean() > 0.95
