@@ -32,6 +32,7 @@ def test_a_service_works_where_nothing_can_be_cached(client, run, read_only, tmp
         "XDG_CACHE_HOME": "/dev/null/cache",
         "NUMBA_CACHE_DIR": "",
         "TMPDIR": str(temporary),
+        "NUMBA_OPT": "0",  # slow kernels that compile soon
     }
     process = run([sys.executable, "-c", code, str(read_only), *service], **nowhere)
     client.wait_alive("positive")
