@@ -3,6 +3,7 @@
 import contextlib
 import copy
 import itertools
+import json
 import os
 import queue
 import runpy
@@ -183,6 +184,15 @@ def scan(values, stamp, seq=0, **changes):
         "intensities": b"",
     }
     return fields | changes
+
+
+@pytest.fixture
+def meeting_point(tmp_path):
+    """A Zenoh file for those who look for each other without an endpoint: where no other test's router answers."""
+    file = tmp_path / "zenoh.json5"
+    multicast = {"enabled": True, "interface": "lo", "address": f"224.0.0.224:{free_port()}"}
+    file.write_text(json.dumps({"scouting": {"multicast": multicast}}))
+    return file
 
 
 @pytest.fixture

@@ -197,12 +197,12 @@ def test_with_no_endpoint_nothing_beyond_this_machine_can_connect(client, start,
     assert listening == ["127.0.0.1"]
 
 
-def test_a_router_is_found_by_those_who_look_on_this_machine(client, start, run):
+def test_a_router_is_found_by_those_who_look_on_this_machine(client, meeting_point):
     """The router listens where it was told, and a client without an endpoint finds it by asking."""
-    config = zenoh.Config()
+    config = zenoh.Config.from_file(str(meeting_point))
     config.insert_json5("mode", '"router"')
     config.insert_json5("listen/endpoints", '["tcp/127.0.0.1:0"]')
-    with zenoh.open(config) as router, Bus(Network("client"), client.robot) as bus:
+    with zenoh.open(config) as router, Bus(Network("client", zenoh_config=meeting_point), client.robot) as bus:
         assert router.zid() is not None
         arrived = threading.Event()
         bus.subscribe("scan/fused", lambda *_: arrived.set())

@@ -167,12 +167,13 @@ def test_up_starts_nothing_where_another_router_listens(client):
     assert refused.stderr == f"cliffscan: {client.endpoint}: Address already in use; does cliffscan run already?\n"
 
 
-def test_a_router_is_found_without_being_named(client, run):
-    """By those who say nothing of the network, as the README's commands and its little programs."""
-    run(cliffscan("router", "--robot", client.robot, "--listen", free_endpoint(), "--name", "here"))
+def test_a_router_is_found_without_being_named(client, run, meeting_point):
+    """By those who say nothing of where it is, as the README's commands and its little programs."""
+    place = ["--robot", client.robot, "--zenoh-config", meeting_point]
+    run(cliffscan("router", *place, "--listen", free_endpoint(), "--name", "here"))
 
     def is_alive(service: str) -> bool:  # each waits for a second
-        return ask("alive", service, "--robot", client.robot).returncode == 0
+        return ask("alive", service, *place).returncode == 0
 
     wait_until(lambda: is_alive("router"))
     wait_until(lambda: is_alive("router-here"))
