@@ -17,10 +17,9 @@ import subprocess
 import sys
 from contextlib import suppress
 
-from tests.compile import compile_kernels
-
 LOADED = ["cliffscan.cli", "cliffscan.common.runtime.service"]
 LARGEST = 1 << 20  # [bytes] of a request
+FILES = 4  # of a request: where it is answered, and the streams
 NUMBER = 4  # [bytes] of an answer
 
 
@@ -103,7 +102,7 @@ def _forker():
 def serve(requests):
     """Fork for each request until nobody can make one any more; returns the words that a forked process has to run."""
     while True:
-        request, files, _, _ = socket.recv_fds(requests, LARGEST, NUMBER)
+        request, files, _, _ = socket.recv_fds(requests, LARGEST, FILES)
         if not request:
             sys.exit()
         if os.fork() == 0:
@@ -150,7 +149,7 @@ def load():
     """Load modules and compiled kernels."""
     for name in LOADED:
         importlib.import_module(name)
-    compile_kernels()
+    importlib.import_module("tests.compile").compile_kernels()  # which who only asks for a process need not load
     gc.freeze()  # or each process would copy all there is as it looks for garbage
 
 
