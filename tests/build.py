@@ -10,7 +10,6 @@ from types import SimpleNamespace
 
 import msgpack
 import numpy as np
-from hypothesis import settings
 from PIL import Image
 
 from cliffscan.common.contract.beam_fields import BEAM_FIELDS
@@ -18,9 +17,6 @@ from cliffscan.common.contract.camera import Camera, FloorPlane, Intrinsics
 from cliffscan.common.contract.messages import LaserScan
 from cliffscan.common.runtime.latest_queue import LatestQueue
 from cliffscan.common.runtime.service import Service
-
-settings.register_profile("repeatable", derandomize=True, deadline=None, max_examples=60)
-settings.load_profile("repeatable")
 
 GONE = object()  # for a field that is left out
 SECOND = 1_000_000_000  # [ns]

@@ -2,14 +2,21 @@
 
 from cliffscan.common.contract.depth_codec import LEVELS
 from cliffscan.common.contract.messages import DepthImage
+from cliffscan.common.perception.scans import WARMUP_IMAGE
 from cliffscan.services.capture.floor.tracker import FloorTracker
+from cliffscan.services.negative.config import NegativeConfig
+from cliffscan.services.negative.methods import METHODS
+from cliffscan.services.negative.scans import negative_scans
 from cliffscan.services.perception.perceive import Settings, perceive
 from cliffscan.simulator.camera import SimulatedKinect
 from tests import scenes
 
 CAMERA = scenes.camera()
 
-if __name__ == "__main__":
+
+def compile_kernels():
+    """Run each kernel of perception once, from the files where it was compiled before."""
+    negative_scans(WARMUP_IMAGE, NegativeConfig(), METHODS)
     for world in ("landing", "office"):  # edges, and things that stand on the floor
         depth = SimulatedKinect(world, CAMERA).frame()
         FloorTracker(CAMERA.floor).update(depth, CAMERA)
@@ -17,3 +24,7 @@ if __name__ == "__main__":
         for sent in (image, DepthImage.decode(image.encode())):
             for settings in (Settings(), Settings.of_profile("paper")):
                 perceive(sent, settings)
+
+
+if __name__ == "__main__":
+    compile_kernels()

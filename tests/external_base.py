@@ -9,6 +9,7 @@ from collections import deque
 import msgpack
 
 PERIOD = 0.02  # [s]
+LONGEST = 0.1  # [s] that it moves on in one step: a busy machine means slow motion, not a base that nobody commands
 COVARIANCE = [0.0] * 9
 
 
@@ -47,7 +48,7 @@ class ExternalBase:
         before = time.monotonic()
         while not self._end.wait(PERIOD):
             now = time.monotonic()
-            self._step(now, now - before)
+            self._step(now, min(now - before, LONGEST))
             before = now
             if self.publishing:
                 self._publish()

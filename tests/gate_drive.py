@@ -10,7 +10,7 @@ from cliffscan.safety.pose2d import Pose2D
 from cliffscan.safety.scan_claims import Scan
 from cliffscan.services.kobuki.config import KobukiConfig
 
-ANGLES = np.radians(np.linspace(-29, 29, 640))
+ANGLES = np.radians(np.linspace(-29, 29, 160))
 HERE = Pose2D(0.0, 0.0, 0.0)
 TICK = 0.02  # [s]
 LIMITS = KobukiConfig().limits()

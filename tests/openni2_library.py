@@ -12,7 +12,7 @@ import pytest
 
 from cliffscan.services.capture.sources import libopenni2
 
-DEADLINE = 10.0  # [s]
+DEADLINE = 60.0  # [s]
 THREADS = Path("/proc/self/task")
 
 

@@ -10,7 +10,7 @@ import zenoh.ext
 from rosbags.typesys import Stores, get_typestore
 
 ROS = get_typestore(Stores.ROS2_JAZZY)
-DEADLINE = 30.0  # [s] after which a fact that did not come will not come
+DEADLINE = 60.0  # [s] after which a fact that did not come will not come
 LIVELINESS = "@ros2_lv"
 
 
@@ -99,6 +99,15 @@ class Peer:
             attachment=attachment,
             congestion_control=zenoh.CongestionControl.BLOCK,
         )
+
+    def publish_once(self, topic, name, message):
+        """Publish as soon as somebody subscribes, for what is not published again."""
+        publisher = self.session.declare_publisher(key_of(topic, name))
+        deadline = time.monotonic() + DEADLINE
+        while not publisher.matching_status.matching:
+            assert time.monotonic() < deadline
+            threading.Event().wait(0.01)
+        self.publish(topic, name, message)
 
     def close(self):
         self.session.close()

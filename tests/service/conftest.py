@@ -2,6 +2,8 @@
 
 import contextlib
 import copy
+import itertools
+import json
 import os
 import queue
 import runpy
@@ -18,13 +20,27 @@ import numpy as np
 import pytest
 import zenoh
 
+from tests.forked import Forked
+
 DEADLINE = 60.0  # [s] after which a fact that did not come will not come
 
 
+# Of this process alone among those of one run, and below those that a system gives to whoever connects: what is free
+# now still is when a service listens on it.
+PORTS = itertools.cycle(range(first := 10_000 + 100 * (os.getpid() % 200), first + 100))
+
+
+def free_port():
+    """A port that nobody listens on."""
+    for port in PORTS:
+        with contextlib.suppress(OSError), socket.create_server(("127.0.0.1", port)):
+            return port
+    raise AssertionError
+
+
 def free_endpoint():
-    """An endpoint that nobody listens on, at this moment."""
-    with socket.create_server(("127.0.0.1", 0)) as server:
-        return f"tcp/127.0.0.1:{server.getsockname()[1]}"
+    """An endpoint that nobody listens on."""
+    return f"tcp/127.0.0.1:{free_port()}"
 
 
 def wait_until(holds):
@@ -36,19 +52,16 @@ def wait_until(holds):
 
 
 def open_router():
-    """A router of our own and its endpoint; another process may be quicker to take the port, then it is another."""
-    for _ in range(20):
-        endpoint = free_endpoint()
-        config = zenoh.Config()
-        for key, value in (
-            ("mode", '"router"'),
-            ("listen/endpoints", f'["{endpoint}"]'),
-            ("scouting/multicast/enabled", "false"),
-        ):
-            config.insert_json5(key, value)
-        with contextlib.suppress(zenoh.ZError):
-            return zenoh.open(config), endpoint
-    raise AssertionError("no free port")
+    """A router of our own and its endpoint."""
+    endpoint = free_endpoint()
+    config = zenoh.Config()
+    for key, value in (
+        ("mode", '"router"'),
+        ("listen/endpoints", f'["{endpoint}"]'),
+        ("scouting/multicast/enabled", "false"),
+    ):
+        config.insert_json5(key, value)
+    return zenoh.open(config), endpoint
 
 
 class Client:
@@ -174,6 +187,15 @@ def scan(values, stamp, seq=0, **changes):
 
 
 @pytest.fixture
+def meeting_point(tmp_path):
+    """A Zenoh file for those who look for each other without an endpoint: where no other test's router answers."""
+    file = tmp_path / "zenoh.json5"
+    multicast = {"enabled": True, "interface": "lo", "address": f"224.0.0.224:{free_port()}"}
+    file.write_text(json.dumps({"scouting": {"multicast": multicast}}))
+    return file
+
+
+@pytest.fixture
 def client():
     made = Client()
     yield made
@@ -181,10 +203,16 @@ def client():
 
 
 class Running:
-    """A process and what it says on its standard error."""
+    """A process and what it says on its standard error; `fresh`: not by fork. With an environment it always is."""
 
-    def __init__(self, command, **environment) -> None:
-        self.process = subprocess.Popen(command, env=os.environ | environment, stderr=subprocess.PIPE, text=True)
+    def __init__(self, command, fresh=False, **environment) -> None:
+        said, saying = os.pipe()
+        if command[:2] == [sys.executable, "-m"] and not fresh and not environment:
+            self.process = Forked(command[2:], [0, 1, saying])
+        else:
+            self.process = subprocess.Popen(command, env=os.environ | environment, stderr=saying)
+        os.close(saying)
+        self._stderr = open(said)  # noqa: SIM115, PTH123 - closed by its reader
         self.said = ""
         self.expected = 0
         self._heard = threading.Condition()
@@ -192,10 +220,11 @@ class Running:
         self._reader.start()
 
     def _read(self):
-        for line in self.process.stderr:
-            with self._heard:
-                self.said += line
-                self._heard.notify_all()
+        with self._stderr:
+            for line in self._stderr:
+                with self._heard:
+                    self.said += line
+                    self._heard.notify_all()
 
     def wait_said(self, words):
         with self._heard:
@@ -250,25 +279,30 @@ def run():
     """Start processes; at the end each must leave as expected, by default with 0, when told to."""
     running = []
 
-    def begin(command, **environment):
-        running.append(Running(command, **environment))
+    def begin(command, **how):
+        running.append(Running(command, **how))
         return running[-1]
 
     yield begin
     for process in running:
         process.signal(signal.SIGTERM)
-    for process in running:
-        assert process.end() == process.expected, process.said
+        process.signal(signal.SIGCONT)  # it may have been stopped
+    try:
+        for process in running:
+            assert process.end() == process.expected, process.said
+    finally:
+        for process in running:
+            process.signal(signal.SIGKILL)
 
 
 @pytest.fixture
 def start(client, run):
     """Start a service and wait until it is ready."""
 
-    def begin(service, *options, wait=True, where=None, robots=None, **environment):
+    def begin(service, *options, wait=True, where=None, robots=None, **how):
         place = ["--connect", client.endpoint] if where is None else where
         names = [word for robot in robots or [client.robot] for word in ("--robot", robot)]
-        process = run([sys.executable, "-m", f"services.{service}", *names, *place, *options], **environment)
+        process = run([sys.executable, "-m", f"services.{service}", *names, *place, *options], **how)
         if wait:
             client.wait_alive(service)
         return process

@@ -13,9 +13,9 @@ import zenoh
 from cliffscan.common.contract.topics import VELOCITY
 from cliffscan.common.runtime.bus import Bus
 from cliffscan.common.runtime.network import Network
-from tests.service.conftest import DEADLINE
+from tests.service.conftest import DEADLINE, wait_until
 
-NOT_LATE = 1.0  # [s] that a single answer may take in a flood; without rings it takes ten
+NOT_LATE = 5.0  # [s] that a single answer may take in a flood on a busy machine; without rings it takes ten on any
 
 
 @pytest.fixture
@@ -24,17 +24,9 @@ def bus(client):
         yield made
 
 
-def wait_for(holds):
-    """Wait for a fact."""
-    deadline = time.monotonic() + DEADLINE
-    while not holds():
-        assert time.monotonic() < deadline
-        threading.Event().wait(0.01)
-
-
 def wait_answered(client, path):
     """Wait until the router knows who answers at a path, and so what was declared before."""
-    wait_for(lambda: any(reply.ok for reply in client.session.get(f"{client.robot}/{path}", timeout=DEADLINE)))
+    wait_until(lambda: any(reply.ok for reply in client.session.get(f"{client.robot}/{path}", timeout=DEADLINE)))
 
 
 @contextlib.contextmanager
@@ -65,7 +57,7 @@ def test_a_flood_of_one_command_delays_no_other(client, bus):
     wait_answered(client, "base/command/stop")
     key = f"{client.robot}/base/command/version"
     with flood(client, lambda session: session.get(key, zenoh.handlers.RingChannel(1)), burst=20):
-        wait_for(lambda: len(asked) > 50)
+        wait_until(lambda: len(asked) > 50)
         for _ in range(5):
             began = time.monotonic()
             assert client.ask("base/command/stop", {})["ok"]
@@ -82,7 +74,7 @@ def test_a_flood_of_one_key_delays_no_other(client, bus):
     wait_answered(client, "base/command/stop")
     payload = msgpack.packb({"stamp": 1, "linear": 0.1, "angular": 0.0})
     with flood(client, lambda session: session.put(f"{client.robot}/base/cmd_vel", payload), burst=5):
-        wait_for(lambda: len(commands) > 10)
+        wait_until(lambda: len(commands) > 10)
         for _ in range(5):
             arrived.clear()
             client.put("scan/fused", b"")
@@ -111,7 +103,7 @@ def test_a_dropped_request_ends_for_its_asker(client, bus):
     assert taken.wait(DEADLINE)
     for asker in askers[1:]:
         asker.start()
-    wait_for(lambda: len(ends) == 12 - 9)  # one is being answered, eight wait
+    wait_until(lambda: len(ends) == 12 - 9)  # one is being answered, eight wait
     assert ends == [0, 0, 0]
     let_go.set()
     for asker in askers:
@@ -126,7 +118,7 @@ def test_a_payload_beyond_its_key_is_told_and_not_delivered(client, bus):
     wait_answered(client, "base/command/led")
     client.put("base/cmd_vel", bytes(1_000_000))
     client.put("base/cmd_vel", b"small")
-    wait_for(lambda: arrived)
+    wait_until(lambda: arrived)
     assert arrived == [("base/cmd_vel", b"small")]
     assert [(path, str(why)) for path, why in refused] == [("base/cmd_vel", "1000000 bytes, expected 32768 at most")]
     answer = client.ask("base/command/led", {"led": bytes(1_000_000)})
@@ -146,7 +138,7 @@ def test_an_error_in_a_receiver_costs_one_message(client, bus, caplog):
     wait_answered(client, "up")
     for payload in (b"1", b"2"):
         client.put("scan/lidar", payload)
-    wait_for(lambda: len(arrived) == 2)
+    wait_until(lambda: len(arrived) == 2)
     assert "a slip" in caplog.text
 
 
@@ -157,7 +149,7 @@ def test_threads_end_with_the_session(client):
         bus.latch(VELOCITY)
         bus.receive_latched("description", lambda *_: None)
     mine = f"bus {client.robot}/"
-    wait_for(lambda: not any(thread.name.startswith(mine) for thread in threading.enumerate()))
+    wait_until(lambda: not any(thread.name.startswith(mine) for thread in threading.enumerate()))
 
 
 def test_what_is_kept_comes_to_those_who_come_later(client, bus):
@@ -167,7 +159,7 @@ def test_what_is_kept_comes_to_those_who_come_later(client, bus):
     arrived = []
     with Bus(Network("client", [client.endpoint]), client.robot) as later:
         later.receive_latched("base/cmd_vel", lambda _, payload: arrived.append(msgpack.unpackb(payload)["linear"]))
-        wait_for(lambda: arrived)
+        wait_until(lambda: arrived)
 
         def asked_again():
             """A question may go unanswered within its second on a busy machine; the next announcement asks again."""
@@ -175,7 +167,7 @@ def test_what_is_kept_comes_to_those_who_come_later(client, bus):
             bus.announce("kobuki")
             return len(arrived) > 1
 
-        wait_for(asked_again)
+        wait_until(asked_again)
     assert set(arrived) == {0.5}
 
 
@@ -190,7 +182,7 @@ def test_who_is_too_busy_to_answer_is_asked_again_for_what_is_kept(client, bus):
 
     client.session.declare_queryable(f"{client.robot}/description", answer)
     bus.receive_latched("description", lambda _, payload: arrived.append(payload))
-    wait_for(lambda: arrived)
+    wait_until(lambda: arrived)
     assert arrived == [b"here"]
 
 
@@ -205,16 +197,16 @@ def test_with_no_endpoint_nothing_beyond_this_machine_can_connect(client, start,
     assert listening == ["127.0.0.1"]
 
 
-def test_a_router_is_found_by_those_who_look_on_this_machine(client, start, run):
+def test_a_router_is_found_by_those_who_look_on_this_machine(client, meeting_point):
     """The router listens where it was told, and a client without an endpoint finds it by asking."""
-    config = zenoh.Config()
+    config = zenoh.Config.from_file(str(meeting_point))
     config.insert_json5("mode", '"router"')
     config.insert_json5("listen/endpoints", '["tcp/127.0.0.1:0"]')
-    with zenoh.open(config) as router, Bus(Network("client"), client.robot) as bus:
+    with zenoh.open(config) as router, Bus(Network("client", zenoh_config=meeting_point), client.robot) as bus:
         assert router.zid() is not None
         arrived = threading.Event()
         bus.subscribe("scan/fused", lambda *_: arrived.set())
-        wait_for(lambda: router.put(f"{client.robot}/scan/fused", b"") or arrived.is_set())
+        wait_until(lambda: router.put(f"{client.robot}/scan/fused", b"") or arrived.is_set())
 
 
 def test_no_thread_outlives_its_session(client):

@@ -1,12 +1,11 @@
 """`cliffscan calibrate --base` finds what a simulated base is like, through its gate, or says why it cannot."""
 
-import subprocess
-import sys
 import threading
 import tomllib
 
 import pytest
 
+from tests import forked
 from tests.external_base import ExternalBase
 from tests.service.conftest import DEADLINE, wait_until
 
@@ -15,8 +14,7 @@ from tests.service.conftest import DEADLINE, wait_until
 def calibrate(client):
     def ask(*options, answer="yes\n"):
         place = ["--robot", client.robot, "--connect", client.endpoint, "--mode", "client"]
-        command = [sys.executable, "-m", "cliffscan", "calibrate", "--base", *place, *options]
-        return subprocess.run(command, input=answer, capture_output=True, text=True, timeout=2 * DEADLINE, check=False)
+        return forked.ask("cliffscan", "calibrate", "--base", *place, *options, answer=answer, timeout=2 * DEADLINE)
 
     return ask
 
@@ -53,7 +51,9 @@ def test_whatever_ends_it_the_robot_is_commanded_to_stand(client, start, calibra
         silent.join()
     assert (done.returncode, done.stdout) == (1, "")
     assert "the odometry has stopped" in done.stderr
-    assert commands.all()[-1]["linear"] == 0.0
+    commands.until(lambda velocity: velocity["linear"] > 0.0)
+    commands.until(lambda velocity: velocity["linear"] == 0.0)
+    assert all(velocity["linear"] == 0.0 for velocity in commands.all())
 
 
 def test_a_robot_is_driven_only_when_a_person_says_so(client, start, calibrate):

@@ -15,7 +15,7 @@ from cliffscan.simulator import wire
 from cliffscan.simulator.frame_server import FrameServer
 from tests import scenes
 from tests.fakenect_session import library_folder, session_environment, write_session
-from tests.service.conftest import intensities, ranges, scan
+from tests.service.conftest import DEADLINE, intensities, ranges, scan
 
 CAMERA = scenes.camera()
 FRAMES = [scenes.depth(CAMERA, wall=wall) for wall in (2.0, 3.0, 4.0)]
@@ -85,6 +85,7 @@ class HangingCamera:
 
     def __init__(self, address) -> None:
         self.hangs = threading.Event()
+        self.fresh = set()  # stamps [ns] of pictures that are no repeats
         self._server = FrameServer(address)
         self._ended = threading.Event()
         self._rng = np.random.default_rng(5)
@@ -95,9 +96,11 @@ class HangingCamera:
         header = {"intrinsics": CAMERA.intrinsics, "range": CAMERA.range, "noise": 0.002, "baseline": 0.05}
         depth = FRAMES[1]
         while not self._ended.wait(1 / 30):
+            stamp = time.time_ns()
             if not self.hangs.is_set():
                 depth = FRAMES[1] + self._rng.integers(0, 4, FRAMES[1].shape, dtype=np.uint16)
-            self._server.offer(wire.pack(header | {"stamp": time.time_ns()}, depth))
+                self.fresh.add(stamp)
+            self._server.offer(wire.pack(header | {"stamp": stamp}, depth))
 
     def close(self):
         self._ended.set()
@@ -118,15 +121,13 @@ def test_a_camera_that_hangs_is_not_published_as_fresh_and_given_up_until_it_see
     frames, status = client.listen("camera/depth"), client.listen("status/capture")
     process = start("capture", *options)
     frames.get()
-    began = time.time_ns()
     camera.hangs.set()
     client.wait_alive("capture", alive=False)
-    assert time.time_ns() - began < 3e9
     told = status.until(lambda each: each["state"] == "waiting")
     assert "repeats its last picture" in told["note"]
     assert told["counts"]["frozen"] > 1
     process.wait_said("source_lost (2 so far): the camera repeats its last picture")  # the device was opened again
-    assert all(each["stamp"] < began + 0.2e9 for each in frames.all())
+    assert {each["stamp"] for each in frames.all()} <= camera.fresh
     camera.hangs.clear()
     client.wait_alive("capture")
     assert frames.get()["stamp"] > told["stamp"]
@@ -144,7 +145,7 @@ def test_the_camera_is_described_once_and_to_whoever_asks(client, start, hanging
     for _ in range(45):  # more than the second in which it would not be told again
         assert frames.get()["frame"] == "eye"
     assert described.all() == []
-    (reply,) = client.session.get(f"{client.robot}/description")
+    (reply,) = client.session.get(f"{client.robot}/description", timeout=DEADLINE)
     assert msgpack.unpackb(reply.ok.payload.to_bytes()) == told
     assert str(reply.ok.encoding) == "application/msgpack;cliffscan.RobotDescription.v1"
 

@@ -16,13 +16,13 @@ def falls(*words):
 
 @pytest.mark.slow
 def test_a_robot_wanders_and_does_not_fall(tmp_path):
-    short = ("--worlds", 1, "--seed", 20, "--speeds", 0.5, "--minutes", 0.2)
+    short = ("--worlds", 1, "--seed", 20, "--speeds", 0.5, "--minutes", 0.15)
     done = falls("--modes", "default", *short, "--out", tmp_path)
     assert done.returncode == 0, done.stdout + done.stderr
     with (tmp_path / "runs.csv").open() as file:
         (run,) = csv.DictReader(file)
     assert run["case"] == "default:0.5:20"
-    assert float(run["seconds"]) == pytest.approx(12.0, abs=1.0)
+    assert float(run["seconds"]) == pytest.approx(9.0, abs=1.0)
     assert (run["fall"], run["cliff"]) == ("0", "0")
     assert float(run["visited"]) * float(run["area"]) > 0.5  # [m²]: more than where it began
     assert "published" in (tmp_path / "default-0.5-20.log").read_text()

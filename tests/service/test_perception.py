@@ -2,7 +2,6 @@
 
 import itertools
 import signal
-import time
 
 import msgpack
 import numpy as np
@@ -12,7 +11,7 @@ import zenoh
 from cliffscan.common.contract.camera import FloorPlane
 from cliffscan.services.perception.robot import THEIRS
 from tests import scenes
-from tests.service.conftest import image, repeated, scan
+from tests.service.conftest import DEADLINE, image, repeated, scan
 
 SCANS = (
     "scan/positive",
@@ -122,9 +121,7 @@ def test_a_hostile_robot_costs_no_frame_of_another(client, start, kind, named):
         while not named and not (client.put("camera/depth", frame(first)) or ear.get_within(0.2)):
             first += 1
         for number in range(first + 1, first + 30):
-            began = time.monotonic()
             answered(client, ear, number)
-            assert time.monotonic() - began < 1.0
         assert not ear.all()
 
 
@@ -148,7 +145,7 @@ def test_a_robot_that_sends_no_image_is_not_discovered(client, start):
     process.wait_said(f"malformed (1 so far): {stranger.robot}/camera/depth: ")
     answered(client, client.listen("scan/fused"), 1)
     client.wait_alive("perception")
-    assert not [reply for reply in tokens.get(f"{stranger.robot}/alive/*", timeout=5.0) if reply.ok]
+    assert not [reply for reply in tokens.get(f"{stranger.robot}/alive/*", timeout=DEADLINE) if reply.ok]
 
 
 def test_dump_config_reads_back_to_itself(tmp_path, ask_here):

@@ -1,7 +1,6 @@
 """record, recover, play and replay-check, through a network and as programs of others see the file."""
 
 import signal
-import subprocess
 import sys
 import time
 
@@ -15,6 +14,7 @@ from cliffscan.recording.parts import Limits, Parts
 from cliffscan.recording.reading import Recording
 from tests.recordings import SECOND, by_mcap_ros2, by_rosbags, drive, stamps
 from tests.service.conftest import DEADLINE, wait_until
+from tests.service.test_command import ask
 
 RATE = 15.0  # [Hz]
 MATRIX = [0.0] * 9
@@ -22,10 +22,6 @@ MATRIX = [0.0] * 9
 
 def cliffscan(*words):
     return [sys.executable, "-m", "cliffscan", *map(str, words)]
-
-
-def ask(*words):
-    return subprocess.run(cliffscan(*words), capture_output=True, text=True, timeout=DEADLINE, check=False)
 
 
 @pytest.fixture

@@ -56,4 +56,5 @@ def test_a_height_that_is_set_counts_and_the_difference_is_logged_once(client, s
         client.put("description", body(0.6))
     statuses.until(lambda status: status["counts"].get("height_differs") == 1)
     assert looking.nearest() == np.inf
+    service.wait_said("the base describes 0.6 m")
     assert service.said.count("positive.robot_height is 0.42 m, the base describes 0.6 m") == 1

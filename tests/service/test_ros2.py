@@ -240,8 +240,8 @@ def test_a_twist_drives_and_one_that_is_broken_is_counted(client, start, peer):
     driver = "ros2.commands.teleop"
     start("ros2", "--set", f"{driver}.priority=5", "--set", f"{driver}.topic=cmd_vel_teleop")
     velocities, status = client.listen("base/cmd_vel"), client.listen("status/ros2")
-    peer.publish("cmd_vel_teleop", TWIST, twist(math.nan, 0.0))
-    peer.publish("cmd_vel_teleop", TWIST, twist(0.2, -0.5))
+    peer.publish_once("cmd_vel_teleop", TWIST, twist(math.nan, 0.0))
+    peer.publish_once("cmd_vel_teleop", TWIST, twist(0.2, -0.5))
     got = velocities.get()
     assert abs(got["stamp"] - time.time_ns()) < 10e9
     assert {**got, "stamp": 0} == {"stamp": 0, "linear": 0.2, "angular": -0.5, "source": "teleop", "priority": 5}
@@ -253,7 +253,7 @@ def test_a_stamped_twist_keeps_its_stamp(client, start, peer):
     velocities = client.listen("base/cmd_vel")
     header = ROS.types["std_msgs/msg/Header"](ROS.types["builtin_interfaces/msg/Time"](12, 34), "base_link")
     name = "geometry_msgs/msg/TwistStamped"
-    peer.publish("cmd_vel", name, ROS.types[name](header, twist(0.1, 0.0)))
+    peer.publish_once("cmd_vel", name, ROS.types[name](header, twist(0.1, 0.0)))
     assert velocities.get()["stamp"] == 12_000_000_034
 
 
@@ -274,7 +274,7 @@ def test_a_base_that_ros_drives(client, start, peer, repeat):
     pose = kinds["geometry_msgs/msg/PoseWithCovariance"](kinds["geometry_msgs/msg/Pose"](point, turn), np.zeros(36))
     moving = kinds["geometry_msgs/msg/TwistWithCovariance"](twist(0.2, 0.1), np.zeros(36))
     header = kinds["std_msgs/msg/Header"](kinds["builtin_interfaces/msg/Time"](12, 34), "odom")
-    peer.publish("odom", name, kinds[name](header, "base_link", pose, moving))
+    peer.publish_once("odom", name, kinds[name](header, "base_link", pose, moving))
     got = odom.get()
     assert (got["pose"], got["twist"]) == ([1.0, 2.0, math.pi], [0.2, 0.1])
 

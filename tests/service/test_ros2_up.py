@@ -28,7 +28,7 @@ def test_a_ros_node_drives_the_robot_which_stops_at_the_stairs(client, run, star
             "--world",
             "landing",
             "--set",
-            "capture.rate=15",
+            "capture.rate=10",
             *ends,
         ]
     )

@@ -13,7 +13,7 @@ from tests.service.test_secure_door import opened, secured_endpoint
 
 SPEED = 0.5  # [m/s]
 EDGE, RADIUS = 3.0, 0.1775  # [m] where the stairs of `landing` begin, and the robot's disc
-WORLD = ["--base", "simulated", "--world", "landing", "--set", "capture.rate=15"]
+WORLD = ["--base", "simulated", "--world", "landing", "--set", "capture.rate=10"]
 
 
 @pytest.mark.slow

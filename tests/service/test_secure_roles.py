@@ -8,7 +8,7 @@ import zenoh
 from cliffscan.common.contract.roles import ROUTER, WORKSTATION_ROUTER, role_names
 from cliffscan.run import service_names
 from cliffscan.secure.folder import KeyFolder
-from tests.service.conftest import free_endpoint, wait_until
+from tests.service.conftest import DEADLINE, free_endpoint, wait_until
 
 ROBOT = "r"
 BESIDE = f"{ROBOT}/workstation"  # where a perception works for the robot's
@@ -270,7 +270,7 @@ def test_a_role_is_alive_under_its_own_name_only(network):
 
 
 def alive(session, pattern="**/alive/*"):
-    return {str(reply.ok.key_expr) for reply in session.liveliness().get(pattern) if reply.ok}
+    return {str(reply.ok.key_expr) for reply in session.liveliness().get(pattern, timeout=DEADLINE) if reply.ok}
 
 
 def test_who_is_in_the_graph_of_ros(network):
@@ -301,4 +301,4 @@ def test_services_of_ros_are_for_nodes(network):
 
 
 def asked(session, key):
-    return any(reply.ok for reply in session.get(key, timeout=5.0))
+    return any(reply.ok for reply in session.get(key, timeout=DEADLINE))

@@ -8,7 +8,7 @@ import pytest
 
 from cliffscan.common.contract.messages import DepthImage
 from cliffscan.simulator.kobuki.client import Remote
-from tests.service.conftest import DEADLINE, free_endpoint
+from tests.service.conftest import DEADLINE, free_endpoint, wait_until
 
 
 class Simulator:
@@ -63,8 +63,9 @@ def test_the_robot_drives_and_its_camera_goes_with_it(client, start, simulate):
     last, stamp = first, 0
     while stamp < told["stamp"]:
         last, stamp = ahead()
+    at = odometry.until(lambda each: each["stamp"] >= stamp)["pose"][0]
     x, y, yaw = simulator.truth()["pose"]
-    assert last == pytest.approx(first - 0.5, abs=0.15)
+    assert last == pytest.approx(first - at, abs=0.15)
     assert x >= 0.5 - 0.02
     assert (y, yaw) == pytest.approx((0.0, 0.0), abs=0.05)
 
@@ -79,8 +80,7 @@ def test_a_bump_and_a_fall_reach_the_driver(client, start, simulate):
     told = states.until(lambda each: all(each["cliffs"]))
     simulator.remote.tell("place 2.5 0 0")
     states.until(lambda each: all(each["wheel_drops"]))
-    while not simulator.truth()["fallen"]:
-        pass
+    wait_until(lambda: simulator.truth()["fallen"])
     simulator.remote.tell("place -1.21 0 180")
     states.until(lambda each: not any(each["wheel_drops"]) and not any(each["cliffs"]))
     assert not simulator.truth()["fallen"]

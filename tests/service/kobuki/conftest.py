@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from cliffscan.simulator.kobuki.client import Remote
-from tests.service.conftest import DEADLINE, scan
+from tests.service.conftest import DEADLINE, scan, wait_until
 
 
 class Base:
@@ -52,12 +52,15 @@ class Base:
     def moves(self):
         return self.remote.state()["target"]
 
+    def wait_at_rest(self):
+        wait_until(lambda: not any(self.moves().values()))
+
 
 @pytest.fixture
 def base(client, run, start, tmp_path):
     made = Base(client, tmp_path)
     emulator = run([sys.executable, "-m", "simulator.kobuki", "--link", str(made.link), "--control", str(made.control)])
     emulator.wait_said("ready")
-    made.remote = Remote(made.control)
+    made.remote = Remote(made.control, DEADLINE)
     made.service = start("kobuki", "--set", f"kobuki.port={made.link}")
     return made

@@ -3,6 +3,8 @@
 import numpy as np
 import pytest
 
+from tests.service.conftest import wait_until
+
 
 def test_it_drives_where_it_is_told_and_says_where_it_is(base):
     base.until("free", linear=0.2)
@@ -11,8 +13,7 @@ def test_it_drives_where_it_is_told_and_says_where_it_is(base):
         base.drive(0.2)
     assert base.remote.state()["truth"]["x"] > 0.05
     base.until("no_command")
-    while any(base.moves().values()):
-        pass
+    base.wait_at_rest()
 
 
 def test_without_a_scan_it_only_turns(base):
@@ -38,8 +39,7 @@ def test_an_obstacle_ahead_stops_it_before(base):
         base.see(wall - base.remote.state()["truth"]["x"] + 0.087)  # the camera looks from behind
         base.drive(0.3)
         told = base.safety.get_within(0.05) or told
-    while any(base.moves().values()):
-        pass
+    base.wait_at_rest()
     assert 0.4 < base.remote.state()["truth"]["x"] < wall - 0.18
 
 
@@ -48,8 +48,7 @@ def test_a_cliff_makes_it_back_off_and_then_keep_away(base):
     base.remote.tell("cliff left on")
     told = base.until("cliff", linear=0.2)
     assert told["allowed"] == [-0.1, -0.4]
-    while base.moves()["left"] >= 0.0:
-        pass
+    wait_until(lambda: base.moves()["left"] < 0.0)
     base.remote.tell("cliff left off")
     told = base.until("obstacle", linear=0.2)
     assert told["distance"] < 0.15

@@ -1,6 +1,5 @@
 """kobuki does not drive by what lies to it: commands of another time, a stuck base, scans that cannot be."""
 
-import math
 import threading
 import time
 
@@ -66,17 +65,18 @@ def test_a_base_whose_clock_stands_still_is_silent(base, fault, mended):
     base.until("free", linear=0.2)
 
 
-@pytest.mark.parametrize(("fault", "words"), [("encoders 0 0", "stands still"), ("encoders 1 0", "stands still")])
+@pytest.mark.parametrize(
+    ("fault", "words"), [("encoders 0 0", ["stands still"]), ("encoders 1 0", ["stands still", "by the gyro"])]
+)
 def test_wheels_that_are_told_to_turn_and_do_not_stop_it(base, fault, words):
     while base.odometry.get()["pose"][0] < 0.2:
         base.see()
         base.drive(0.3)
     base.remote.tell(fault)
     told = base.until("odometry", linear=0.3)
-    assert words in told["note"]
+    assert any(each in told["note"] for each in words)  # of two that see it, the one that is quicker
     assert (told["latched"], told["allowed"]) == (True, [0.0, 0.0])
-    while any(base.moves().values()):
-        pass
+    base.wait_at_rest()
     base.remote.tell("encoders 1 1")
     assert base.ask("clear_safety")["ok"]
     base.until("free", linear=0.3)
@@ -84,14 +84,13 @@ def test_wheels_that_are_told_to_turn_and_do_not_stop_it(base, fault, words):
 
 def test_encoders_that_leap_are_not_motion(base):
     base.until("free", linear=0.2)
-    before = base.odometry.get()["pose"]
     base.remote.tell("skip 0.48")
     base.remote.tell("encoders 100 100")
     told = base.until("odometry", linear=0.2)
     assert "contradicts itself" in told["note"]
+    base.wait_at_rest()
     base.odometry.all()
-    after = base.odometry.get()["pose"]
-    assert math.dist(before[:2], after[:2]) < 0.5
+    assert abs(base.odometry.get()["pose"][0] - base.remote.state()["truth"]["x"]) < 0.5
 
 
 def future(base):
@@ -123,7 +122,7 @@ def test_a_scan_frees_no_more_than_the_described_camera_sees(base):
 
 
 def test_the_base_says_what_it_is(base):
-    reply = next(iter(base.client.session.get(f"{base.client.robot}/description")))
+    reply = next(iter(base.client.session.get(f"{base.client.robot}/description", timeout=DEADLINE)))
     body = msgpack.unpackb(reply.ok.payload.to_bytes())["body"]
     assert body == {"simulated": True, "radius": 0.18, "footprint": [], "height": 0.42}
 
@@ -161,5 +160,4 @@ def test_a_stop_reaches_the_wheels_through_a_flood(base, flood):
     assert base.ask("stop")["ok"]
     told = base.until("stopped", linear=0.3)
     assert told["allowed"] == [0.0, 0.0]
-    while any(base.moves().values()):
-        pass
+    base.wait_at_rest()

@@ -46,8 +46,8 @@ def test_report_and_files_tell_of_every_fall(outcomes, tmp_path):
 @pytest.mark.parametrize("mode", ["default", "paper"])
 def test_a_run_is_the_same_again(mode):
     first, again = (Trial(Case(mode, 0.35, 3)) for _ in range(2))
-    first.run(4.0)
-    again.run(4.0)
+    first.run(2.5)
+    again.run(2.5)
     assert first.log.track == again.log.track
     assert math.hypot(first.robot.pose.x, first.robot.pose.y) > 0.1
 

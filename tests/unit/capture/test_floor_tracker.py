@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 
@@ -142,7 +142,6 @@ SMALL = scenes.camera(32, 24, MOUNT, (0.5, 4.5))
 MOUNTS = [(0.3, 0, 0), (0.02, 0, 0), (20.0, 86.9, 0), (0.5, -86.9, 180), (1.0, 40, 90)]
 
 
-@settings(deadline=None, max_examples=60)
 @given(
     depth=arrays.arrays(np.uint16, (24, 32)) | st.integers(0, 65535).map(lambda d: np.full((24, 32), d, np.uint16)),
     place=st.sampled_from(MOUNTS),

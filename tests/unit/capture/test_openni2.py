@@ -15,7 +15,7 @@ from cliffscan.services.capture.sources.depth_source import SourceLost
 from cliffscan.services.capture.sources.open_source import open_source
 from tests.openni2_library import Library, needs_openni2
 
-DEADLINE = 10.0  # [s]
+DEADLINE = 60.0  # [s]
 
 
 @pytest.fixture

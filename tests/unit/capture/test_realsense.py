@@ -20,7 +20,7 @@ rs = pytest.importorskip(
 from cliffscan.services.capture.sources import realsense  # noqa: E402 below the check that it can be loaded
 from tests.realsense_camera import BASELINE, INTRINSICS, SCENE, SIZE, SoftwareCamera  # noqa: E402
 
-DEADLINE = 10.0  # [s]
+DEADLINE = 60.0  # [s]
 
 
 @pytest.fixture

@@ -19,6 +19,12 @@ signal.sigwait([signal.SIGTERM])
 STUBBORN = "import signal; signal.alarm(20); signal.signal(signal.SIGTERM, signal.SIG_IGN); {ready}; signal.pause()"
 
 
+@pytest.fixture(autouse=True)
+def patience(monkeypatch):
+    """A busy machine may need more than GRACE for a process that ends by itself."""
+    monkeypatch.setattr(module, "GRACE", 60.0)
+
+
 @pytest.fixture
 def family():
     with Supervisor() as family:

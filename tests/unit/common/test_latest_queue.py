@@ -47,5 +47,5 @@ def test_a_reader_that_waits_is_woken():
     reader = threading.Thread(target=lambda: got.append(queue.get(30.0)))
     reader.start()
     queue.put("a")
-    reader.join(30.0)
+    reader.join(60.0)
     assert got == ["a"]

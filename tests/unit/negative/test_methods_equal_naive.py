@@ -53,7 +53,7 @@ def test_scenes(scene, pitch):
     assert_equal_naive(scenes.depth(camera, **scenes.SCENES[scene]), camera, GRID)
 
 
-@settings(deadline=None, max_examples=25)
+@settings(max_examples=15)
 @given(
     st.floats(0.1, 1.5),
     st.floats(-20, 60),
@@ -97,7 +97,7 @@ def test_a_row_of_a_real_size_image_leaves_no_beam_empty():
     assert np.isfinite(farthest_point(seen, grid, BAND)).all()
 
 
-@settings(deadline=None, max_examples=50)
+@settings(max_examples=50)
 @given(st.integers(0, 2**32 - 1))
 def test_any_depths_give_lawful_ranges(seed):
     camera = scenes.camera(16, 12)

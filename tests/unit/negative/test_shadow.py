@@ -66,7 +66,7 @@ def test_at_the_images_border_there_is_nothing_to_explain_it(row):
     assert both(beside_a_post(5), CAMERA, [(row, 55)]) == [False]
 
 
-@settings(max_examples=50, deadline=None)
+@settings(max_examples=50)
 @given(
     st.floats(0.05, 0.9),
     st.floats(0.0, 0.6),

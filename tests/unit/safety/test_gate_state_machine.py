@@ -145,7 +145,5 @@ TestGate = pytest.mark.slow(Gate.TestCase)
 TestGate.settings = settings(
     max_examples=6,
     stateful_step_count=16,
-    derandomize=True,
-    deadline=None,
     suppress_health_check=list(HealthCheck),
 )

@@ -37,7 +37,7 @@ def test_a_box_has_its_volume(x, y, z):
     assert volume(box_faces(np.array([x, y, z]))) == pytest.approx(8 * x * y * z)
 
 
-@settings(deadline=None, max_examples=25)
+@settings(max_examples=25)
 @given(sizes, sizes)
 def test_a_cylinder_has_its_volume(radius, half):
     assert volume(cylinder_faces(np.array([radius, half, 0.0]))) == pytest.approx(2 * half * np.pi * radius**2)

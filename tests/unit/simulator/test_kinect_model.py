@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from cliffscan.simulator.faces import faces_of
@@ -32,7 +32,6 @@ def rng(seed=0):
     return np.random.default_rng(seed)
 
 
-@settings(deadline=None)  # the first example compiles
 @given(depth=st.floats(0.5, 4.5, width=32))
 def test_the_ideal_sensor_only_rounds(depth):
     frame = sense(flat(depth)[:12, :16], CAMERA, IDEAL, rng())

@@ -17,7 +17,7 @@ from cliffscan.simulator.live import LONGEST, Live, Pace
 from cliffscan.simulator.robot import RobotSimulation
 from cliffscan.simulator.world import Pose
 
-DEADLINE = 10.0  # [s]
+DEADLINE = 60.0  # [s]
 
 
 def test_the_pace_is_simulated_over_real_time(caplog):

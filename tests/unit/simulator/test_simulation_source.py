@@ -11,7 +11,7 @@ from cliffscan.services.capture.sources.simulation import Simulation
 from cliffscan.simulator import wire
 from cliffscan.simulator.frame_server import FrameServer
 
-DEADLINE = 10.0  # [s]
+DEADLINE = 60.0  # [s]
 FLOOR = FloorPlane.from_mount(0.31, 0.1)
 DEPTH = np.full((480, 640), 1234, np.uint16)
 HEADER = {

@@ -13,7 +13,7 @@ from cliffscan.simulator import wire
 from cliffscan.simulator.frame_server import FrameServer
 from cliffscan.simulator.wire import FrameReader, WireError
 
-DEADLINE = 10.0  # [s]
+DEADLINE = 60.0  # [s]
 DEPTH = np.arange(12, dtype=np.uint16).reshape(3, 4) * 1000
 HEADER = {"seq": 7, "truth": {"pose": [0.5, 0.0, -1.0]}}
 

@@ -7,7 +7,7 @@ import pytest
 
 from cliffscan.view.outbox import OUTSTANDING, Outbox
 
-DEADLINE = 20.0  # [s]
+DEADLINE = 60.0  # [s]
 
 
 @pytest.fixture
