@@ -13,6 +13,7 @@ from cliffscan.common.contract.depth_codec import compile_loops
 from cliffscan.common.contract.message import MessageError
 from cliffscan.common.contract.topics import DESCRIPTION
 from cliffscan.common.runtime.bus import Bus, encoding_of
+from cliffscan.common.runtime.kept_memory import keep_freed_memory
 from cliffscan.common.runtime.metrics import ServiceMetrics
 from cliffscan.common.runtime.raw_samples import RawSample, key_matcher
 from cliffscan.common.runtime.service import StopSignal
@@ -82,6 +83,7 @@ def check(options: Options) -> None:
 def record(bus: Bus, options: Options, stop: StopSignal) -> int:
     """Record until Ctrl-C; 1 where the disk became full or nothing came."""
     matches = key_matcher(options.keys)
+    keep_freed_memory()  # of a chunk for the next: its pages would else cost as much as to compress it
     if options.images:
         compile_loops()
     metrics = ServiceMetrics()

@@ -125,7 +125,6 @@ def alive(service: str) -> str:
     return f"alive/{service}"
 
 
-@lru_cache(1024)  # it is asked for every sample
 def topic_at(path: str) -> Topic[Any] | None:
     """The row of a key's path below the robot's name; None where the contract has none."""
     path = path.removeprefix(f"{WORKSTATION}/")
@@ -141,6 +140,7 @@ def message_at(path: str) -> type[Message] | None:
     return topic.message if topic else None
 
 
+@lru_cache(1024)  # it is asked for every sample
 def most_bytes(path: str) -> int:
     """How large a payload may be at a key's path below the robot's name."""
     message = message_at(path)

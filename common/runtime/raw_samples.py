@@ -62,14 +62,15 @@ class RawSamples:
         def take(sample: zenoh.Sample) -> None:
             if sample.kind != zenoh.SampleKind.PUT:
                 return
-            received, at = time.time_ns(), str(sample.key_expr)[prefix:]
+            received, at, payload = time.time_ns(), str(sample.key_expr)[prefix:], sample.payload
             try:
-                check_size(len(sample.payload), most_bytes(at))
+                check_size(len(payload), most_bytes(at))
             except MessageError as error:
                 refused(at, error)
                 return
-            attachment = sample.attachment.to_bytes() if sample.attachment else b""
-            receive(RawSample(at, str(sample.encoding), received, attachment, sample.payload.to_bytes()))
+            attached = sample.attachment
+            attachment = attached.to_bytes() if attached else b""
+            receive(RawSample(at, str(sample.encoding), received, attachment, payload.to_bytes()))
 
         source = self._session.declare_subscriber(f"{self._robot}/{path}", zenoh.handlers.RingChannel(room))
         self._declared.append(source)

@@ -6,9 +6,9 @@ Source: common_interfaces and tf2_msgs, of Jazzy.
 """
 
 import math
+import struct
 from collections.abc import Mapping, Sequence
 from functools import cache, lru_cache
-from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,14 +22,17 @@ from cliffscan.services.ros2.cdr import Writer
 from cliffscan.services.ros2.transforms import Transform, heading
 
 PLANE = (0, 1, 5)  # x, y and the rotation about z, of the six dimensions of a covariance
-PLANAR = [6 * row + column for row, column in product(PLANE, PLANE)]  # their places in one, row by row
 NOT_MEASURED = 1e6  # variance of what no sensor measures
-UNMEASURED = [NOT_MEASURED if place % 7 == 0 else 0.0 for place in range(36)]
+BETWEEN = (0.0, 0.0, 0.0)  # of a row of x, y or the rotation about z: its places of the other three
+UNMEASURED = [NOT_MEASURED if place % 7 == 0 else 0.0 for place in range(12, 30)]  # the rows of the other three
 HEADING_VARIANCE = 0.05  # [rad²] of the gyro's own heading, as kobuki_node has it
 HEADING_COVARIANCE = (NOT_MEASURED, 0.0, 0.0, 0.0, NOT_MEASURED, 0.0, 0.0, 0.0, HEADING_VARIANCE)
 NOT_KNOWN = (0.0,) * 9  # a covariance
 NO_ACCELERATION = (0.0, 0.0, 0.0, -1.0, *(0.0,) * 8)  # none, and of its covariance -1: there is none
+FLOATS = np.dtype("<f4")  # of a sequence
+COUNT = struct.Struct("<I")  # of its numbers, after what ends at a multiple of 4
 FLOAT32, POINT_STEP = 7, 16  # of a PointField; [bytes] of x, y, z and intensity
+DENSE = b"\1"  # true: a cloud has no invalid points
 POINT_FIELDS = ("x", "y", "z", "intensity")
 UNKNOWN, CHARGING, DISCHARGING, FULL = 0, 1, 2, 4  # power_supply_status
 SUPPLY = {
@@ -43,33 +46,39 @@ SUPPLY = {
 
 def laser_scan(scan: LaserScan, ranges: Ranges, frame: str, range_max: float) -> bytes:
     """A sensor_msgs/LaserScan with the beams of a scan, but other ranges [m]: (beams,)."""
+    grid, times = Grid(len(ranges), scan.angle_min, scan.angle_increment), (scan.time_increment, scan.scan_time)
+    head = _before_ranges(scan.stamp, frame, grid, times, scan.range_min, range_max)
+    intensities = scan.intensities.astype(FLOATS, copy=False).tobytes()
+    return b"".join((head, ranges.astype(FLOATS, copy=False).tobytes(), COUNT.pack(len(scan.intensities)), intensities))
+
+
+@lru_cache(maxsize=1)  # several scans are made of one, and differ in their ranges alone
+def _before_ranges(
+    stamp: int, frame: str, grid: Grid, times: tuple[float, float], range_min: float, range_max: float
+) -> bytes:
+    """A sensor_msgs/LaserScan up to the number of its ranges."""
     writer = Writer()
-    writer.header(scan.stamp, frame)
-    angle_max = scan.angle_min + (len(ranges) - 1) * scan.angle_increment
-    angles = (scan.angle_min, angle_max, scan.angle_increment)
-    writer.numbers("f", *angles, scan.time_increment, scan.scan_time, scan.range_min, range_max)
-    writer.sequence(ranges)
-    writer.sequence(scan.intensities)
+    writer.header(stamp, frame)
+    writer.numbers("f", grid.angle_min, grid.angle_max, grid.increment, *times, range_min, range_max)
+    writer.numbers("I", grid.beams)
     return writer.payload()
 
 
 def point_cloud(scan: LaserScan, frame: str) -> bytes:
     """A sensor_msgs/PointCloud2 of a scan's numbers, in its own plane, with the evidence as intensity."""
-    hit = np.flatnonzero(np.isfinite(scan.ranges))
-    points = np.zeros((len(hit), len(POINT_FIELDS)), "<f4")
+    (hit,) = np.isfinite(scan.ranges).nonzero()
+    points = np.zeros((len(hit), len(POINT_FIELDS)), FLOATS)
     ranges = scan.ranges.take(hit)
     for axis, direction in enumerate(directions(scan.grid())):
-        points[:, axis] = ranges * direction.take(hit)
+        np.multiply(ranges, direction.take(hit), out=points[:, axis])
     if len(scan.intensities):
         points[:, 3] = scan.intensities.take(hit)
     writer = Writer()
     writer.header(scan.stamp, frame)
     writer.numbers("I", 1, len(points))
     writer.part(_point_fields())
-    writer.numbers("I", POINT_STEP, POINT_STEP * len(points))
-    writer.sequence(points.view(np.uint8).ravel())
-    writer.numbers("?", True)
-    return writer.payload()
+    writer.numbers("I", POINT_STEP, POINT_STEP * len(points), points.nbytes)
+    return b"".join((writer.payload(), points.tobytes(), DENSE))
 
 
 @cache
@@ -226,9 +235,7 @@ def twist_stamped(stamp: int, frame: str, linear: float, angular: float) -> byte
     return writer.payload()
 
 
-def _covariance(planar: Sequence[float]) -> list[float]:
+def _covariance(planar: Sequence[float]) -> tuple[float, ...]:
     """The covariance 6 x 6 of one of x, y and theta, 3 x 3; the other dimensions are not measured."""
-    matrix = UNMEASURED.copy()
-    for place, value in zip(PLANAR, planar, strict=True):
-        matrix[place] = value
-    return matrix
+    xx, xy, xt, yx, yy, yt, tx, ty, tt = planar
+    return (xx, xy, *BETWEEN, xt, yx, yy, *BETWEEN, yt, *UNMEASURED, tx, ty, *BETWEEN, tt)
