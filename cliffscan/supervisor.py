@@ -8,7 +8,7 @@ from typing import Self
 
 FIRST_DELAY, LONGEST_DELAY = 0.5, 10.0  # [s] before a restart; doubled each time
 STEADY = 10.0  # [s] a process must have run for its delay to begin anew
-GRACE = 3.0  # [s] to end by itself
+GRACE = 10.0  # [s] to end by itself, on a slow machine that is busy too
 CONFIG_REFUSED = 2
 
 log = logging.getLogger("cliffscan")

@@ -84,7 +84,7 @@ RestartSec=1
 RestartPreventExitStatus=2
 # the last process to end is the one that stops the base
 KillMode=control-group
-TimeoutStopSec=5
+TimeoutStopSec=10
 Environment=PYTHONUNBUFFERED=1 NUMBA_CACHE_DIR=/var/cache/{CACHE}
 CacheDirectory={CACHE}
 {chr(10).join(_devices(plan, name))}
