@@ -10,7 +10,7 @@ WORKSTATION: Part = "workstation"
 PERCEPTION = "perception"  # negative, positive and fuse in one process
 SCANS = tuple(name for name in SENSING if name != "capture")
 KOBUKI, GATE = "kobuki", "gate"
-PORT = 7447
+PORT = 7447  # on which routers listen, as Zenoh has it
 REAL, NO_BASE = "real", "none"  # bases beside the names of services
 
 

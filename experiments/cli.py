@@ -7,6 +7,7 @@ from typing import get_args
 
 from rich.console import Console
 
+from cliffscan.cli import VIEW_PORT
 from cliffscan.common.runtime.config import ConfigError
 from cliffscan.common.runtime.network import BusError
 from cliffscan.common.runtime.service import USAGE_ERROR, StopSignal
@@ -22,7 +23,6 @@ from experiments.worlds import run_worlds
 
 WORLDS = ("paper_room", "paper_room_open")  # figures 11 to 13, 17, 18, 21; 14 to 16, 19, 20, 22
 INTERRUPTED = 130
-PORT = 8080  # of the page
 DESCRIPTION = "The paper's experiments through the real services, or the scans of a recording."
 
 
@@ -40,7 +40,7 @@ def build_parser() -> argparse.ArgumentParser:
         "--view",
         type=positive,
         nargs="?",
-        const=PORT,
+        const=VIEW_PORT,
         metavar="PORT",
         help="leave a page open on the drive when all is done, until Ctrl-C (default port %(const)s)",
     )

@@ -13,11 +13,11 @@ from typing import NamedTuple, Self
 from benchmarks.link.figures import Figures, Record, figures
 from benchmarks.link.hosts import Host, Hosts
 from benchmarks.link.path import Link
+from cliffscan.parts import PORT
 from evaluation.processes.started import Started
 
 ROBOT = "turtlebot"
 BESIDE = f"{ROBOT}/workstation"
-PORT = 7447
 HERE = f"tcp/127.0.0.1:{PORT}"
 CLIENT = ("--robot", ROBOT, "--mode", "client", "--connect", HERE)
 WORLD, START = "landing", ("0", "0.2", "0")

@@ -10,8 +10,8 @@ from cliffscan.common.contract.ros_keys import DOMAIN
 from cliffscan.common.runtime.access_rules import access_control
 from cliffscan.common.runtime.secure import ROS_DOMAIN, ROUTERS, TLS, tls_settings
 from cliffscan.common.runtime.zenoh_config import DEFAULTS
+from cliffscan.parts import PORT
 
-PORT = 7447
 HERE = f"tls/127.0.0.1:{PORT}"  # each host's processes use the router on it
 
 
