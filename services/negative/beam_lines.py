@@ -81,6 +81,13 @@ def _along(axis: Affine, column: Floats, step: Floats) -> tuple[Floats, Floats]:
     return axis.columns[0] + axis.rows[0] + per_column * column, per_column * step + per_row
 
 
+@njit(cache=True, error_model="numpy")
+def range_in(lines: BeamLines, u: int, row: float, below: float) -> float:
+    """Range [m] of what a line's ray meets in a row, `below` [m] the camera."""
+    ahead = float(lines.ahead[u]) + row * float(lines.ahead_step[u])
+    return ahead * below / (float(lines.fall[u]) + row * float(lines.fall_step[u]))
+
+
 def rows_outward(region: ImageRegion, lines: BeamLines, far: float) -> Rows:
     """The rows of a region that see floor, near to far, each at least APART beyond the one before.
 

@@ -17,9 +17,8 @@ from numpy.typing import NDArray
 
 from cliffscan.common.contract.camera import Floats
 from cliffscan.common.perception.floor_points import Metres
-from cliffscan.services.negative.beam_lines import BESIDE, BeamLines, Rows
+from cliffscan.services.negative.beam_lines import BESIDE, BeamLines, Rows, range_in
 from cliffscan.services.negative.floor_following import End
-from cliffscan.services.negative.lost_floor import range_in
 
 REACHED_RANGE, UNVERIFIED = np.float32(End.REACHED_RANGE), np.float32(End.UNVERIFIED)
 BEFORE = 4  # lines beside, of which the one that saw farthest tells: a speck in one is no end of floor

@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 
 from cliffscan.common.contract.camera import Floats
 from cliffscan.common.perception.floor_points import Metres
-from cliffscan.services.negative.beam_lines import BeamLines
+from cliffscan.services.negative.beam_lines import BeamLines, range_in
 from cliffscan.services.negative.floor_following import End
 
 DROP, NO_RETURN, UNVERIFIED = np.float32(End.DROP), np.float32(End.NO_RETURN), np.float32(End.UNVERIFIED)
@@ -35,18 +35,11 @@ def locate_edges(
                 many += alike
             height = total / many if abs(total / many - level[u]) < AGREE else height
         if row[u] >= 0:
-            ranges[u] = _range(lines, u, row[u], height, camera_height)
+            ranges[u] = range_in(lines, u, row[u], camera_height - height)
         if sure[u] >= 0:
-            clear[u] = ranges[u] if sure[u] == row[u] else _range(lines, u, sure[u], sure_level[u], camera_height)
+            below = camera_height - float(sure_level[u])
+            clear[u] = ranges[u] if sure[u] == row[u] else range_in(lines, u, sure[u], below)
     return ranges, clear
-
-
-@njit(cache=True, error_model="numpy")
-def _range(lines: BeamLines, u: int, row: float, level: float, camera_height: float) -> float:
-    """Range [m] at which a line's ray of a row meets floor at a level [m]."""
-    ahead = float(lines.ahead[u]) + row * float(lines.ahead_step[u])
-    fall = float(lines.fall[u]) + row * float(lines.fall_step[u])
-    return ahead * (camera_height - level) / fall
 
 
 @njit(cache=True)

@@ -12,7 +12,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from cliffscan.common.perception.floor_points import Metres
-from cliffscan.services.negative.beam_lines import BeamLines, Rows
+from cliffscan.services.negative.beam_lines import BeamLines, Rows, range_in
 
 RETURNS = 3  # beyond the lost floor, that tell what is there
 SIGMAS = 4.0  # of noise, in which a height may err
@@ -78,10 +78,3 @@ def far_off(lines: BeamLines, row: Metres, level: Metres, due: Metres, camera_he
             ground = camera_height - float(level[u])
             far[u] = range_in(lines, u, row[u], ground) >= max(FAR_OFF, range_in(lines, u, due[u], ground) + WAY)
     return far
-
-
-@njit(cache=True, error_model="numpy")
-def range_in(lines: BeamLines, u: int, row: float, below: float) -> float:
-    """Range [m] of what a line's ray meets in a row, `below` [m] the camera."""
-    ahead = float(lines.ahead[u]) + row * float(lines.ahead_step[u])
-    return ahead * below / (float(lines.fall[u]) + row * float(lines.fall_step[u]))
