@@ -1,4 +1,4 @@
-"""Write how many kernels there are, and those that frames still compile after all were compiled: python -m tests.compiled_by_frames"""
+"""Write how many kernels there are and which of them frames compile anew: python -m tests.compiled_by_frames"""
 
 import gc
 import sys
