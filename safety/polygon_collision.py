@@ -211,11 +211,11 @@ class Turn:
 
 
 def _sinks_in(path: Path, points: Floats) -> Mask:
-    """Which points (2, n), all covered, do not come out the shortest way."""
+    """Which points (2, n), all covered, go farther in, by the shortest way out."""
     gaps = _gaps(path.edges, points)
     nearest = (gaps * gaps).sum(axis=0).argmin(axis=0)
     inward = gaps[:, nearest, np.arange(len(nearest))]
-    sinks: Mask = (path.approach(points) * inward).sum(axis=0) >= 0.0
+    sinks: Mask = (path.approach(points) * inward).sum(axis=0) > 0.0
     return sinks
 
 

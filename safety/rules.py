@@ -78,15 +78,39 @@ class Situation:
         """What is left of a turn on the spot by what its corners would sweep."""
         return self.limiter.limit_turn(wanted, self.pose, age, self.now)
 
+    @property
+    def turn(self) -> Twist:
+        """The turn on the spot that is asked for, by what the base may do."""
+        return Twist(0.0, self.ramp.limited(self.asked).angular)
+
     def turn_on_the_spot(self, angular: float, age: float | None) -> Twist:
         """The robot turns, as far as nothing is in the way of its corners."""
         turn = self.ramp.toward(Twist(0.0, angular))
         return turn.scaled(self.limit_turn(turn, age).factor)
 
     def go_straight(self, linear: float, age: float | None) -> Twist:
-        """The robot goes on slowly, as far as nothing is in the way."""
-        straight = self.ramp.toward(Twist(math.copysign(min(abs(linear), SLOW), linear), 0.0))
+        """The robot goes straight, as far as nothing is in the way."""
+        straight = self.ramp.toward(Twist(linear, 0.0))
         return straight.scaled(min(self.limit(side, straight, age).factor for side in (1, -1)))
+
+    @property
+    def makes_room(self) -> bool:
+        """Whether it goes straight so that it can turn; as it does, it goes on until the turn is free as asked for."""
+        linear, angular = self.ramp.before
+        return not self.limiter.hull.turns_free and 0.0 < abs(linear) <= SLOW and angular == 0.0
+
+    def turn_aside(self) -> Twist:
+        """The robot turns on the spot or, where its corners have no room for that, goes straight until they do.
+
+        It goes at SLOW, and the way that it was asked to drive; asked for a turn alone it stands.
+        """
+        turn, linear = self.turn_on_the_spot(self.turn.angular, self.fresh_age), self.asked.linear
+        if self.limiter.hull.turns_free or abs(linear) < CRAWL:
+            return turn
+        ample = not self.makes_room or self.limit_turn(self.turn, self.fresh_age).factor >= 1.0
+        if ample and abs(turn.angular) >= SLOW_TURN:
+            return turn
+        return self.go_straight(math.copysign(min(abs(linear), SLOW), linear), self.fresh_age)
 
 
 def refused(it: Situation) -> Decision | None:
@@ -154,18 +178,16 @@ def obstacle(it: Situation) -> Decision | None:
     """Something is in the way: so fast that the robot can brake before it touches anything.
 
     A robot that can hardly go on turns on the spot: a disc touches nothing new by that; what others sweep is looked at.
-    One that may not turn either, for its tail would meet what it passes, goes straight on until it may.
+    One that may not turn either goes straight until it may.
     """
     limits = [it.limit(side, it.wanted, it.fresh_age) for side in (1, -1)]
-    limits.append(it.limit_turn(it.wanted, it.fresh_age))
+    limits.append(it.limit_turn(it.turn if it.makes_room else it.wanted, it.fresh_age))
     factor = min(limit.factor for limit in limits)
     if factor >= 1.0:
         return None
     slower = it.wanted.scaled(factor)
     if abs(slower.linear) < CRAWL and it.limiter.stands(it.now):
-        slower = it.turn_on_the_spot(it.ramp.limited(it.asked).angular, it.fresh_age)
-        if not it.limiter.hull.turns_free and abs(slower.angular) < SLOW_TURN:
-            slower = it.go_straight(it.asked.linear, it.fresh_age)
+        slower = it.turn_aside()
     nearest = min(limits, key=lambda limit: limit.distance)
     return Decision("obstacle", slower, it.asked, nearest.distance, obstruction=nearest.obstruction)
 
@@ -254,7 +276,8 @@ RULES = (
     Rule(
         "obstacle",
         "an obstacle, an edge or floor that was never seen is on the commanded arc",
-        "drives only so fast that it can brake before it",
+        "drives only so fast that it can brake before it; a `footprint` that has no room for the turn asked for goes "
+        "straight until it has",
         obstacle,
     ),
     Rule(

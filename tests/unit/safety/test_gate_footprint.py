@@ -85,6 +85,40 @@ def test_a_robot_whose_tail_may_not_swing_goes_straight_on_until_it_may(way):
     assert abs(drive.pose.theta) > math.radians(90.0)
 
 
+WALLS = {
+    "tail": [(-0.46, 0.04 * step) for step in range(-20, 21)],
+    "nose": [(0.36, 0.04 * step) for step in range(-20, 21)],
+    "flank": [(0.04 * step, -0.31) for step in range(-20, -6)],
+}
+
+
+@pytest.mark.parametrize("way", [1, -1])
+@pytest.mark.parametrize(("wall", "asked"), [("tail", 0.35), ("nose", -0.35), ("flank", 0.35)])
+def test_a_robot_beside_a_wall_goes_as_asked_until_it_may_turn(wall, asked, way):
+    drive = rectangle(start_free=1.4)
+    drive.tick(0.0)
+    remember(drive, *WALLS[wall])
+    while way * drive.pose.theta < math.radians(60.0) and drive.now < 106.0:
+        drive.go(asked, way * TURN, ticks=10)
+        assert near(drive, WALLS[wall]) > 0.03 - 1e-6
+    assert way * drive.pose.theta >= math.radians(60.0)
+
+
+@pytest.mark.parametrize("way", [1, -1])
+@pytest.mark.parametrize(
+    ("wall", "slides", "asked"),
+    [("tail", (-0.09, 0.0), 0.35), ("nose", (0.09, 0.0), -0.35), ("flank", (0.0, -0.08), 0.35)],
+)
+def test_a_robot_that_slid_against_a_wall_comes_away_and_turns(wall, slides, asked, way):
+    drive = rectangle(start_free=1.4)
+    drive.tick(0.0)
+    remember(drive, *WALLS[wall])
+    drive.pose = Pose2D(*slides, 0.0)
+    drive.go(asked, way * TURN, ticks=300)
+    assert way * drive.pose.theta > math.radians(60.0)
+    assert near(drive, WALLS[wall]) > 0.0
+
+
 def test_a_robot_that_is_to_turn_alone_does_not_go_on():
     drive = rectangle()
     drive.tick(0.0)

@@ -119,6 +119,11 @@ def test_what_the_hull_covers_blocks_only_the_way_farther_in(side, free):
     assert Polygon(RECTANGLE).on_arc(alone((0.28, 0.0)), side, 0.0, KEPT, KEPT).distance == free
 
 
+@pytest.mark.parametrize("side", [1, -1])
+def test_what_the_hull_covers_beside_it_is_left_by_going_straight(side):
+    assert Polygon(RECTANGLE).on_arc(alone((0.0, 0.24)), side, 0.0, KEPT, KEPT).distance == math.inf
+
+
 def test_nothing_is_in_the_way_of_nothing():
     for curvature in (0.0, 1.0):
         assert Polygon(ELL).on_arc(np.empty((2, 0)), 1, curvature, KEPT, KEPT).distance == math.inf
