@@ -3,7 +3,8 @@
 It knows how large the floor plan is and where the robot stands, and nothing of what is there. Mostly it heads for a
 near place where it has not been, and learns from the fused scans and from the gate which ways are shut; now and then it
 heads straight for any place, inside or outside, whatever it has seen there. When the gate holds the robot for long it
-turns away and picks another goal; when the robot does not get away from a place at all it first backs off.
+turns away and picks another goal; when the robot does not get away from a place at all it backs off, and where that is
+in vain goes on, turns the other way and backs off again.
 """
 
 import math
@@ -27,9 +28,9 @@ LONGEST = 8.0  # [m] of driving, in time, after which a goal is given up
 LOOKAHEAD = 1.5  # [m]
 SLOW = 0.05  # [m/s] below which a robot that is to go is held
 AHEAD = math.radians(60.0)  # beyond, it turns on the spot first
-STUCK, BACK = 4.0, 2.0  # [s] without moving after which it backs off, and for how long
+STUCK, ESCAPE = 4.0, 2.0  # [s] without moving after which it gets away, and for how long it tries each way to
 MOVED, TURNED = 0.03, math.radians(10.0)  # [m] and [rad] that count as moving
-BACKWARD = Twist(-0.1, 0.0)
+BACKWARD, FORWARD = Twist(-0.1, 0.0), Twist(0.1, 0.0)
 FASTEST_TURN = 1.8  # [rad/s]
 GAINS = (1.2, 3.0)  # [1/s] how hard it steers
 
@@ -46,6 +47,7 @@ class Driver:
         self._held_since: float | None = None
         self._moved, self._moved_at = Pose(), 0.0  # where it last moved to, and when [s]
         self._gain = 1.5
+        self._turn = 1.0  # [rad/s] that it last wanted
 
     def see(self, pose: Pose, scan: LaserScan) -> None:
         """A fused scan came, that was taken while the robot truly was at `pose`."""
@@ -55,9 +57,9 @@ class Driver:
         """What the driver wants now, [s]; it sees what the gate made of its last wish."""
         here = (pose.x, pose.y)
         self._memory.visit(*here)
-        if self._stuck(pose, now):
+        if escape := self._escape(pose, now):
             self._way = []
-            return BACKWARD
+            return escape
         if self._held(decision, now):
             self._memory.shut(*pose)
             self._choose(pose, now, whim=self._random.random() < WHIM / 2)
@@ -67,8 +69,8 @@ class Driver:
         return self._towards(math.remainder(math.atan2(y - pose.y, x - pose.x) - pose.yaw, math.tau))
 
     def _towards(self, bearing: float) -> Twist:
-        turn = min(max(self._gain * bearing, -FASTEST_TURN), FASTEST_TURN)
-        return Twist(self._speed if abs(bearing) < AHEAD else 0.0, turn)
+        self._turn = min(max(self._gain * bearing, -FASTEST_TURN), FASTEST_TURN)
+        return Twist(self._speed if abs(bearing) < AHEAD else 0.0, self._turn)
 
     def _target(self, here: Place) -> Place:
         """The farthest place of the way that it can head straight for."""
@@ -78,15 +80,20 @@ class Driver:
         seen = (place for place in reversed(near) if self._memory.straight(here, place))
         return next(seen, self._way[-1])
 
-    def _stuck(self, pose: Pose, now: float) -> bool:
-        """Whether it has not moved for long, and for as long as it then backs off."""
-        if now - self._moved_at > STUCK + BACK or (now - self._moved_at < STUCK and self._moving(pose)):
+    def _escape(self, pose: Pose, now: float) -> Twist | None:
+        """What gets it away from a place where it has not moved for long: back, on, the other way round, back again."""
+        tries = math.floor((now - self._moved_at - STUCK) / ESCAPE)  # that are over; negative before the first begins
+        ways = BACKWARD, FORWARD, Twist(0.0, -math.copysign(FASTEST_TURN, self._turn)), BACKWARD
+        if tries == len(ways) or (tries != 0 and self._gone(pose)) or (tries < 0 and self._turned(pose)):
             self._moved, self._moved_at = pose, now
-        return now - self._moved_at >= STUCK
+            return None
+        return ways[tries] if tries >= 0 else None
 
-    def _moving(self, pose: Pose) -> bool:
-        turned = abs(math.remainder(pose.yaw - self._moved.yaw, math.tau)) > TURNED
-        return turned or math.dist((pose.x, pose.y), (self._moved.x, self._moved.y)) > MOVED
+    def _gone(self, pose: Pose) -> bool:
+        return math.dist((pose.x, pose.y), (self._moved.x, self._moved.y)) > MOVED
+
+    def _turned(self, pose: Pose) -> bool:
+        return abs(math.remainder(pose.yaw - self._moved.yaw, math.tau)) > TURNED
 
     def _held(self, decision: Decision, now: float) -> bool:
         """Whether the gate has held the robot for long; told once each time."""

@@ -8,7 +8,7 @@ import pytest
 
 from benchmarks.falls.bases import TURTLEBOT_2_SIZE
 from benchmarks.falls.cases import Case, all_cases, length
-from benchmarks.falls.driver import BACK, BACKWARD, STUCK, Driver
+from benchmarks.falls.driver import BACKWARD, ESCAPE, FORWARD, STUCK, Driver
 from benchmarks.falls.floor import NEAR, Floor, arc
 from benchmarks.falls.memory import Memory
 from benchmarks.falls.report import report, write
@@ -180,13 +180,28 @@ def test_where_the_robot_stands_and_stood_is_open():
     assert not memory.straight((0.5, 1.7), (2.0, 1.7))
 
 
-def test_a_driver_that_does_not_get_away_backs_off_for_a_while():
-    driver = Driver((-3.0, -3.0), (3.0, 3.0), 0.3, Random(1), TURTLEBOT_2_SIZE)
-    free = Decision("free", REST, REST)
-    asked = [driver.command(Pose(), free, 0.1 * tick) for tick in range(80)]
-    backing = [0.1 * tick for tick, twist in enumerate(asked) if twist == BACKWARD]
-    assert (backing[0], backing[-1]) == (pytest.approx(STUCK, abs=0.11), pytest.approx(STUCK + BACK, abs=0.11))
-    assert len(backing) == round((backing[-1] - backing[0]) / 0.1) + 1
+def commands_at(pose_at, seconds):
+    """What a driver commands every 0.1 s of a robot that is at pose_at(time)."""
+    driver, free = Driver((-3.0, -3.0), (3.0, 3.0), 0.3, Random(1), TURTLEBOT_2_SIZE), Decision("free", REST, REST)
+    times = [0.05 + 0.1 * tick for tick in range(round(10 * seconds))]
+    return [(now, driver.command(pose_at(now), free, now)) for now in times]
+
+
+def test_a_driver_that_does_not_get_away_backs_off_goes_on_turns_the_other_way_and_backs_off_again():
+    asked = commands_at(lambda _: Pose(), STUCK + 4 * ESCAPE + 1.0)
+    wanted = next(twist.angular for now, twist in reversed(asked) if now < STUCK)
+    for now, twist in asked:
+        tries = (now - STUCK) / ESCAPE
+        assert (twist == BACKWARD) is (0 <= tries < 1 or 3 <= tries < 4)
+        assert (twist == FORWARD) is (1 <= tries < 2)
+        if 2 <= tries < 3:
+            assert twist.linear == 0.0
+            assert twist.angular * wanted < 0.0
+
+
+def test_a_driver_that_got_away_drives_on():
+    asked = commands_at(lambda now: Pose(-0.1 if now > STUCK + ESCAPE / 2 else 0.0), STUCK + 2 * ESCAPE)
+    assert [twist == BACKWARD for _, twist in asked] == [STUCK <= now < STUCK + ESCAPE for now, _ in asked]
 
 
 def test_cases_share_the_time_and_the_worlds():
