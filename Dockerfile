@@ -31,6 +31,8 @@ RUN pip install --no-deps --force-reinstall .
 
 USER cliffscan
 WORKDIR /home/cliffscan
+# Compiled here, kernels start at once on processors of this kind; on others a service compiles them when it starts.
+RUN case "$SERVICE" in negative|positive|perception) python -m cliffscan.compile ;; esac
 ENV SERVICE=$SERVICE CLIFFSCAN_ALIVE_FILE=/tmp/alive
 # The service keeps the file while it works, so a look costs no session.
 HEALTHCHECK --interval=10s --timeout=5s --start-period=60s CMD ["test", "-e", "/tmp/alive"]

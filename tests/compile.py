@@ -2,11 +2,8 @@
 
 from cliffscan.common.contract.depth_codec import LEVELS
 from cliffscan.common.contract.messages import DepthImage
-from cliffscan.common.perception.scans import WARMUP_IMAGE
+from cliffscan.compile import compile_perception
 from cliffscan.services.capture.floor.tracker import FloorTracker
-from cliffscan.services.negative.config import NegativeConfig
-from cliffscan.services.negative.methods import METHODS
-from cliffscan.services.negative.scans import negative_scans
 from cliffscan.services.perception.perceive import Settings, perceive
 from cliffscan.simulator.camera import SimulatedKinect
 from tests import scenes
@@ -16,7 +13,7 @@ CAMERA = scenes.camera()
 
 def compile_kernels():
     """Run each kernel of perception once, from the files where it was compiled before."""
-    negative_scans(WARMUP_IMAGE, NegativeConfig(), METHODS)
+    compile_perception()
     for world in ("landing", "office"):  # edges, and things that stand on the floor
         depth = SimulatedKinect(world, CAMERA).frame()
         FloorTracker(CAMERA.floor).update(depth, CAMERA)

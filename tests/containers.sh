@@ -120,6 +120,12 @@ say "both profiles, healthy"
 "${compose[@]}" up --wait --wait-timeout 180 2>"$work/up.log" || { tail --lines 5 "$work/up.log"; exit 1; }
 "${compose[@]}" ps --format '{{.Service}}: {{.Status}}'
 
+say "kernels come compiled with the images"
+for service in negative positive; do
+    docker diff $COMPOSE_PROJECT_NAME-$service-1 | grep '\.nbc$' && exit 1
+    "${compose[@]}" exec -T $service find . -name '*.nbc' | wc --lines
+done
+
 say "a fused scan through the robot's router and through the workstation's"
 fused_scan 7447
 fused_scan 7448

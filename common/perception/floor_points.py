@@ -37,7 +37,7 @@ class FloorPoints:
     @cached_property
     def millimetres(self) -> Millimetres:
         """The depths [mm] of the region's pixels: (rows, columns)."""
-        return self.region.of(self.depth)
+        return read_only(self.region.of(self.depth))
 
     @property
     def heights(self) -> Metres:
@@ -70,7 +70,14 @@ def floor_points(
 
     Depths outside the sensor's range and points nearer than range_min [m], parts of the robot, are left out.
     """
-    return FloorPoints(depth, image_region(camera, lower_than), range_min)
+    return FloorPoints(read_only(depth), image_region(camera, lower_than), range_min)
+
+
+def read_only(depth: Millimetres) -> Millimetres:
+    """The same depths as an array of one type, wherever they come from: numba compiles a kernel for each type."""
+    view = depth.view()
+    view.flags.writeable = False
+    return view
 
 
 @njit(cache=True, error_model="numpy")

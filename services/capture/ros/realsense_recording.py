@@ -2,9 +2,7 @@
 
 import re
 from bisect import bisect_right
-from collections.abc import Iterator
 from dataclasses import replace
-from functools import partial
 from typing import Any
 
 from cliffscan.common.runtime.config import ConfigError
@@ -20,7 +18,6 @@ from cliffscan.services.capture.ros.bag import (
     read_whole,
 )
 from cliffscan.services.capture.ros.calibration import Calibration
-from cliffscan.services.capture.ros.camera import RosCamera
 from cliffscan.services.capture.ros.pictures import CompressedPicture, Picture
 from cliffscan.services.capture.ros.realsense_wire import (
     Shot,
@@ -31,9 +28,10 @@ from cliffscan.services.capture.ros.realsense_wire import (
     stream_calibration,
     without_unit,
 )
+from cliffscan.services.capture.ros.recorded_topic import RecordedTopic
 from cliffscan.services.capture.sources.depth_source import BadFrame, DepthFrame
 from cliffscan.services.capture.sources.realsense_sensor import millimetres, sensor_of
-from cliffscan.services.capture.sources.recorded import Origins, RecordedImage
+from cliffscan.services.capture.sources.recorded import Origins
 
 VERSION, DEVICE = "/file_version", "/device_0/"
 DEPTH = re.compile(r"((/device_\d+/sensor_\d+)/Depth_\d+)/image/data(/compressedDepth)?")
@@ -44,23 +42,17 @@ def by_librealsense(bag: Bag) -> bool:
     return bool(bag.of(VERSION)) and any(each.topic.startswith(DEVICE) for each in bag.connections)
 
 
-class RealSenseRecording:
+class RealSenseRecording(RecordedTopic):
     """One depth stream. Raises ConfigError where it has none, or has no intrinsics.
 
     The unit of a depth is the frame's own, or else what the sensor's option was at that time.
     """
 
-    stamped = True
-
     def __init__(self, bag: Bag, config: CaptureConfig) -> None:
-        self._bag, self._config = bag, config
-        self.kind, self.contents = f"{bag.kind} of librealsense", bag.contents
         found = {each.topic: match for each in bag.connections if (match := DEPTH.fullmatch(each.topic))}
-        self._topic = bag.depth_topic(config.topic, sorted(found))
+        super().__init__(bag, config, f"{bag.kind} of librealsense", found)
         stream, sensor, _ = found[self._topic].groups()
-        self._images = bag.of(self._topic)
         self._info = f"{stream}/info/camera_info" if bag.ros1 else f"{stream}/camera_info"
-        self.camera = RosCamera(config, self._topic)
         self.camera.calibration = self._calibration()
         baselines = self._options(f"{sensor}/option/Stereo_Baseline/value")  # [mm]
         self._sees = sensor_of(self.camera.calibration.k[0], abs(baselines[0][1]) / 1000 if baselines else 0.0)
@@ -70,15 +62,6 @@ class RealSenseRecording:
             self.camera.transforms.add(map(joint, message.transforms))
         self._shots = {} if bag.ros1 else dict(bag.read(f"{stream}/image/metadata", self._shot))
         self._unit = 0.0  # [m] of the last frame that was read
-
-    def __len__(self) -> int:
-        return sum(each.msgcount for each in self._images)
-
-    def images(self) -> Iterator[RecordedImage]:
-        """The images in the order in which they were recorded, by their number."""
-        self.camera.restart()
-        for count, sample in enumerate(self._bag.samples(self._images)):
-            yield RecordedImage(f"{count:06}", partial(self._frame, sample))
 
     def origins(self) -> Origins:
         """What librealsense recorded, and what such a camera measures."""
@@ -91,10 +74,6 @@ class RealSenseRecording:
             self.camera.mounted,
             "as configured" if self._config.noise else seen,
         )
-
-    def close(self) -> None:
-        """Close the file."""
-        self._bag.close()
 
     def _frame(self, sample: Sample | BadFrame) -> DepthFrame:
         sample = read_whole(sample)

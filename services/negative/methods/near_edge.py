@@ -106,9 +106,9 @@ def near_edge(
     end[lost[goes_on]], end[lost[hidden]] = End.UNVERIFIED, End.OCCLUDED
     far[lost[~shows]] = False
     lost = lost[end[lost] == End.NO_RETURN]
-    if len(lost):
-        end[lost[in_shadow(points, lines, lost, row[lost], order)]] = End.OCCLUDED
-    if resolves_ramps(region.camera):  # without a look whether there are any, so that a blank frame compiles it
+    # this and what follows without a look whether there are any, so that a blank frame compiles it
+    end[lost[in_shadow(points, lines, lost, row[lost], order)]] = End.OCCLUDED
+    if resolves_ramps(region.camera):
         ended = np.flatnonzero((end == End.DROP) | (end == End.NO_RETURN))
         limits = region.camera.range[1], criteria.noise, criteria.slope, criteria.grazing
         ramps = ramps_ahead(heights, order, lines, ended, row[ended], height, *limits)
