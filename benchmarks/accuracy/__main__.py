@@ -18,6 +18,7 @@ from benchmarks.accuracy.scans import ANGLES, BEST, Others, known_scans
 from benchmarks.accuracy.setups import SETUPS
 from cliffscan.common.runtime.config import ConfigError
 from cliffscan.common.runtime.network import BusError
+from cliffscan.services.capture.window import Size
 from evaluation.options import some_of
 from evaluation.tables import unique, write_csv
 
@@ -40,6 +41,13 @@ def arguments() -> argparse.Namespace:
     )
     parser.add_argument("--out", type=Path, default=OUT, help=f"folder of the results ({OUT})")
     parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1, help="processes (one for each core)")
+    parser.add_argument(
+        "--every",
+        type=int,
+        choices=[size.value for size in Size],
+        default=1,
+        help="score frames as they go over a thin link: one of so many columns (1, all)",
+    )
     parser.add_argument("--quick", action="store_true", help=f"{QUICK} scenes, plane known")
     parser.add_argument("--pictures", type=int, default=PICTURES, help=f"of the worst cases, each plane ({PICTURES})")
     parser.add_argument(
@@ -84,7 +92,7 @@ def score(options: argparse.Namespace, foreign: ForeignProgram | None) -> None:
     modes = (KNOWN,) if options.quick else options.planes
     others: Others = {foreign.path: partial(foreign.beams, angles=ANGLES)} if foreign else {}
     options.out.mkdir(parents=True, exist_ok=True)
-    table = measure(cases, options.methods, modes, 1 if foreign else options.jobs, others)
+    table = measure(cases, options.methods, modes, 1 if foreign else options.jobs, others, options.every)
     if options.only:
         replay(table, options.methods, options.out)
         return

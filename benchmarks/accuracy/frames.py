@@ -10,6 +10,8 @@ import numpy as np
 from benchmarks.accuracy.cases import Case, camera_of, scene_of
 from cliffscan.common.contract.camera import Camera, scan_axes
 from cliffscan.services.capture.floor.tracker import FloorTracker
+from cliffscan.services.capture.thinning import thinned
+from cliffscan.services.positive.config import PositiveConfig
 from cliffscan.simulator.faces import Faces, pack
 from cliffscan.simulator.kinect import Image, Millimetres, SensorModel, measure, returns
 from cliffscan.simulator.rasteriser import depth_image
@@ -25,6 +27,7 @@ TILT = 2.0  # [deg] by which pitch and roll are unknown, and by which a wobbling
 LIFT = 0.01  # [m] by which the height is unknown
 RATE, NODS = 30.0, 5.0  # [Hz] frames and nods
 WOBBLE_FRAMES, SETTLING = 17, 5  # frames of a wobbling sequence, and how many of them are not scored
+ROBOT = PositiveConfig().robot_height  # [m]
 SETTLED = 3  # frames that a tracker gets of a still scene
 
 
@@ -80,6 +83,14 @@ def frames_of(case: Case, plane: str) -> Iterator[Frame]:
         yield from still(sensor, camera, rng)
     else:
         yield from nodding(sensor, camera)
+
+
+def as_sent(frame: Frame, every: int) -> Frame:
+    """The frame as `capture` sends it over a thin link: one of `every` columns, or all of it where that is 1."""
+    if every == 1:
+        return frame
+    depth, camera = thinned(frame.depth, frame.camera, every, ROBOT)
+    return frame._replace(depth=depth, camera=camera)
 
 
 def still(sensor: Sensor, true: Camera, rng: np.random.Generator) -> Iterator[Frame]:

@@ -6,7 +6,7 @@ from functools import partial
 import numpy as np
 
 from benchmarks.accuracy.cases import Case, scene_of
-from benchmarks.accuracy.frames import KNOWN, WOBBLING, Frame, frames_of
+from benchmarks.accuracy.frames import KNOWN, WOBBLING, Frame, as_sent, frames_of
 from benchmarks.accuracy.rows import Census, Row, Sight, Table
 from benchmarks.accuracy.scans import ANGLES, Others, all_beams, known_scans
 from cliffscan.common.contract.beam_fields import Beams
@@ -31,21 +31,26 @@ def measure(
     planes: Sequence[str] = (KNOWN,),
     jobs: int = 1,
     others: Others = NO_OTHERS,
+    every: int = 1,
 ) -> Table:
-    """Score scans, by default all of ours, on cases in plane modes; others' only where jobs is 1."""
-    job = partial(results, scans=tuple(known_scans()) if scans is None else tuple(scans), others=others)
+    """Score scans, by default all of ours, on cases in plane modes; others' only where jobs is 1.
+
+    every: of how many columns one is sent.
+    """
+    job = partial(results, scans=tuple(known_scans()) if scans is None else tuple(scans), others=others, every=every)
     work = [(case, plane) for plane in planes for case in (cases[::EVERY] if plane == WOBBLING else cases)]
     found = in_order(job, work, jobs, warm_up=lambda: job(work[0]))
     return Table(tuple(row for rows in counted(found, len(work)) for row in rows))
 
 
-def results(work: Work, scans: Sequence[str], others: Others) -> list[Row]:
+def results(work: Work, scans: Sequence[str], others: Others, every: int = 1) -> list[Row]:
     """The rows of a case in a plane mode, one for each scan, with and without a tracked plane."""
     case, plane = work
     scene = scene_of(case)
     judged: dict[str, list[tuple[Frame, Truth]]] = {}
     for frame in frames_of(case, plane):
-        judged.setdefault(frame.plane, []).append((frame, truth_of(scene, frame.true, ANGLES, case.setup.lengths)))
+        truth = truth_of(scene, frame.true, ANGLES, case.setup.lengths)
+        judged.setdefault(frame.plane, []).append((as_sent(frame, every), truth))
     return [row for mode, frames in judged.items() for row in rows_of(case, mode, frames, scans, others)]
 
 

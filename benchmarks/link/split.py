@@ -94,7 +94,7 @@ class Split(AbstractContextManager["Split"]):
 
     def _start_routers(self, robot: Started, workstation: Started) -> None:
         router = "cliffscan", "router", "--robot", ROBOT, "--name"
-        robot.module(*router, "robot", "--listen", f"tcp/0.0.0.0:{PORT}")
+        robot.module(*router, "robot", "--listen", f"tcp/0.0.0.0:{PORT}", "--insecure")
         to = f"tcp/{self._hosts.robot.address}:{PORT}"
         workstation.module(*router, "workstation", "--listen", HERE, "--connect", to)
 

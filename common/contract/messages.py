@@ -87,8 +87,9 @@ class DepthImage(Message):
         camera: Camera,
         encoding: str,
         period: float = 0.0,
+        effort: int = depth_codec.FAST,
     ) -> Self:
-        """The message of a depth image (height, width) [mm], in one of the encodings of depth_codec."""
+        """The message of a depth image (height, width) [mm], in one of the encodings of depth_codec, with an effort."""
         image = cls.model_construct(
             seq=seq,
             stamp=stamp,
@@ -97,7 +98,7 @@ class DepthImage(Message):
             width=camera.width,
             height=camera.height,
             encoding=encoding,
-            data=depth_codec.encode(depth, encoding),
+            data=depth_codec.encode(depth, encoding, effort),
             intrinsics=camera.intrinsics,
             range=camera.range,
             floor=camera.floor,

@@ -36,7 +36,8 @@ class CaptureConfig(ServiceConfig):
     """Whether frames travel compressed, without loss; false sends raw 16UC1."""
     fit_link: bool = True
     """Whether a frame waits until earlier ones are answered with a fused scan, and is smaller where answers stay late:
-    the rows that matter, and every second column. While nobody answers every frame goes, and all of it."""
+    the rows that matter, and one of two or three columns, as exact as the sensor's noise lets them be. While nobody
+    answers every frame goes, and all of it."""
     frame: Annotated[str, Field(max_length=256)] = "camera_depth_optical_frame"
     """Name of the camera's optical frame."""
     rate: Annotated[float, Field(gt=0, le=1000)] = 30.0

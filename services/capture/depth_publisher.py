@@ -4,7 +4,7 @@ import math
 import time
 
 from cliffscan.common.contract import topics
-from cliffscan.common.contract.depth_codec import LEVELS, RAW
+from cliffscan.common.contract.depth_codec import FAST, LEVELS, RAW, SMALL
 from cliffscan.common.contract.description import RobotDescription
 from cliffscan.common.contract.messages import DepthImage, LaserScan
 from cliffscan.common.contract.topics import Topic
@@ -15,7 +15,7 @@ from cliffscan.services.capture.thinning import thinned
 from cliffscan.services.capture.window import Size, Window
 
 PERCEPTION = "perception"  # the service whose token tells that a workstation perceives, too
-THIN = "the link is thin: depth images have the rows that matter and every second column"
+THIN = "the link is thin: depth images have the rows that matter and one of {} columns"
 
 
 class Stream:
@@ -30,9 +30,9 @@ class Stream:
             service.receive(fused, self._answered)
 
     @property
-    def is_thin(self) -> bool:
-        """Whether its images are smaller than the frames."""
-        return self._window is not None and self._window.size is Size.THIN
+    def size(self) -> Size:
+        """How much of a frame its images have."""
+        return self._window.size if self._window else Size.FULL
 
     def admit(self, seq: int) -> Size | None:
         """How much of a frame goes; None where it is held back."""
@@ -67,7 +67,8 @@ class DepthPublisher:
     @property
     def note(self) -> str:
         """What a person should know of the link."""
-        return THIN if self._all.is_thin or self._workstation.is_thin else ""
+        every = max(stream.size.value for stream in (self._all, self._workstation))
+        return THIN.format(every) if every > 1 else ""
 
     def put(self, seq: int, frame: DepthFrame) -> None:
         """Publish a frame, or hold it back."""
@@ -88,11 +89,12 @@ class DepthPublisher:
             self._is_served = alive
 
     def _image(self, seq: int, frame: DepthFrame, size: Size) -> DepthImage:
-        depth, camera = frame.depth, frame.camera
-        if size is Size.THIN:
-            depth, camera = thinned(depth, camera, self._height)
+        depth, camera, effort = frame.depth, frame.camera, FAST
+        if size is not Size.FULL:
+            depth, camera = thinned(depth, camera, size.value, self._height)
+            effort = SMALL
         period = self._period if frame.period is None else frame.period
-        return DepthImage.pack(seq, frame.stamp, self._frame, depth, camera, self._encoding, period)
+        return DepthImage.pack(seq, frame.stamp, self._frame, depth, camera, self._encoding, period, effort)
 
     def _described(self, description: RobotDescription) -> None:
         """The base described its body, or a camera was."""

@@ -4,7 +4,17 @@ import numpy as np
 import pytest
 
 from benchmarks.accuracy.cases import Case, camera_of, scene_of, some_cases
-from benchmarks.accuracy.frames import KNOWN, PLANES, SETTLING, UNKNOWN, WOBBLE_FRAMES, WOBBLING, Sensor, frames_of
+from benchmarks.accuracy.frames import (
+    KNOWN,
+    PLANES,
+    SETTLING,
+    UNKNOWN,
+    WOBBLE_FRAMES,
+    WOBBLING,
+    Sensor,
+    as_sent,
+    frames_of,
+)
 from benchmarks.accuracy.measure import EVERY, measure
 from benchmarks.accuracy.report import report
 from benchmarks.accuracy.rows import worst
@@ -74,6 +84,16 @@ def test_a_column_that_no_scan_has_a_figure_for_is_left_out():
     flat = measure(some_cases(4, seed=3, setups=("flat",)), [SCAN])
     headings = next(line for line in report(flat).splitlines() if line.startswith("| scan"))
     assert headings == "| scan | false, safe | blind |"
+
+
+def test_frames_are_scored_as_a_thin_link_carries_them():
+    case = Case("hole", 12)
+    (frame,) = frames_of(case, KNOWN)
+    assert as_sent(frame, 1) is frame
+    sent = as_sent(frame, 3)
+    assert (sent.depth.shape[1], sent.camera.width, sent.true) == (213, 213, frame.true)
+    whole, thin = (figures(measure([case], [BEST], every=every)) for every in (1, 3))
+    assert whole != thin
 
 
 def test_the_border_returns_nothing_and_is_told():

@@ -5,7 +5,7 @@ import pytest
 from cliffscan.services.capture.window import SILENCE, Size, Window
 
 PERIOD = 1 / 30  # [s]
-BYTES = {Size.FULL: 85_000, Size.THIN: 29_000}
+BYTES = {Size.FULL: 85_000, Size.HALF: 16_000, Size.THIRD: 12_000}
 WORK = 0.015  # [s] that perception takes
 
 
@@ -68,14 +68,14 @@ def test_a_fast_camera_keeps_more_frames_on_the_way():
 
 @pytest.mark.parametrize(
     ("rate", "delay", "least", "oldest"),
-    [(20e6, 0.005, 28.0, 0.12), (6e6, 0.02, 24.0, 0.13), (2e6, 0.05, 4.0, 0.25)],
+    [(20e6, 0.005, 28.0, 0.12), (6e6, 0.02, 28.0, 0.13), (2e6, 0.05, 14.0, 0.27)],
 )
 def test_a_thin_link_carries_the_newest_frames_soon(rate, delay, least, oldest):
     drive = Drive(rate, delay).run(90.0)
     ages = sorted(age for at, age in drive.ages if at > 30.0)
     assert drive.frequency(30.0) >= least
     assert ages[int(0.99 * len(ages))] < oldest
-    assert rate == 20e6 or drive.share(Size.THIN, 30.0) > 0.99  # 20 Mbit/s just carry whole frames
+    assert drive.share(Size.HALF if rate == 20e6 else Size.THIRD, 30.0) > 0.9
 
 
 def test_tries_grow_rare_where_they_fail():
@@ -93,12 +93,12 @@ def test_frames_are_whole_again_when_the_link_is():
     assert drive.window.size is Size.FULL
 
 
-def test_an_outage_costs_a_frame_at_a_time_and_then_none_waits():
+def test_in_an_outage_few_frames_go_and_then_none_waits():
     drive = Drive(20e6).run(30.0)
     drive.rate = 0
     began, before = drive.now, len(drive.sent)
     drive.run(SILENCE - 0.1)
-    assert len(drive.sent) - before < 12
+    assert len(drive.sent) - before < 18
     drive.rate = 20e6
     drive.run(10.0)
     assert min(at for at, _ in drive.ages if at > began + SILENCE - 0.1) < began + SILENCE + 0.5
@@ -121,3 +121,26 @@ def test_an_answer_to_an_unknown_frame_is_no_news_of_the_link():
     assert [window.admit(seq, 0.01) for seq in range(5)] == [Size.FULL] * 3 + [None] * 2
     window.answer(1, 0.02)
     assert [window.admit(seq, 0.03) for seq in range(5, 9)] == [Size.FULL] * 2 + [None] * 2
+
+
+def test_a_try_that_was_overtaken_is_repeated():
+    window = Window(PERIOD)
+    window.answer(0, 0.0)
+    now, seq = 0.0, 1
+    while window.size is Size.FULL:
+        window.admit(seq, now)
+        window.answer(seq, now + 0.2)
+        now, seq = now + 0.2, seq + 1
+
+    def tried():
+        nonlocal now, seq
+        while (size := window.admit(seq, now)) is Size.HALF:
+            window.answer(seq, now + 0.02)
+            now, seq = now + PERIOD, seq + 1
+        return size
+
+    for _ in range(2):
+        assert tried() is Size.FULL
+        assert window.admit(seq + 1, now) is Size.HALF
+        window.answer(seq + 1, now + 0.02)
+        seq += 2

@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import array_shapes, arrays
 
-from cliffscan.common.contract.depth_codec import ENCODINGS, LEVELS, RAW, decode, encode
+from cliffscan.common.contract.depth_codec import ENCODINGS, LEVELS, RAW, SMALL, decode, encode
 from tests import naive_codec, scenes
 
 shapes = array_shapes(min_dims=2, max_dims=2, min_side=2, max_side=24)
@@ -58,6 +58,14 @@ def test_the_longest_steps_between_neighbours_come_back(encoding):
     depth = np.tile(np.arange(65535, dtype=np.uint16), 2).reshape(2, -1)
     depth[0, 1::2] = depth[0, 1::2][::-1]
     assert_lossless(depth, encoding)
+
+
+def test_more_effort_takes_fewer_bytes_for_the_same_image():
+    depth = scenes.depth(scenes.camera(320, 240), [scenes.HOLE])
+    noisy = depth + np.random.default_rng(2).integers(0, 2, depth.shape).astype(np.uint16)
+    small = encode(noisy, LEVELS, SMALL)
+    assert len(small) < len(encode(noisy, LEVELS))
+    np.testing.assert_array_equal(decode(small, LEVELS, 320, 240), noisy)
 
 
 @pytest.mark.parametrize("order", ["F", "C"])
