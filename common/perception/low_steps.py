@@ -20,8 +20,9 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from cliffscan.common.contract.camera import Camera, Floats
+from cliffscan.common.contract.camera import Floats
 from cliffscan.common.perception.floor_points import Metres
+from cliffscan.common.perception.image_region import ImageRegion
 
 f32 = np.float32
 SHARP_RISE, SHARP_FALL = f32(0.03), f32(0.05)  # [m] within which the height changes; a fall may lie in shadow
@@ -57,9 +58,10 @@ class Sight(NamedTuple):
     reach: np.float32  # [m] up to which rows lie close enough to tell a step from a slope
 
     @classmethod
-    def of(cls, camera: Camera, step: float, slope: float) -> Sight:
-        """Of a camera, for steps above `step` [m] on floor of at most `slope`."""
-        height, focal = camera.floor.d, min(camera.intrinsics.fx, camera.intrinsics.fy)
+    def of(cls, region: ImageRegion, step: float, slope: float) -> Sight:
+        """Of what is looked at of an image, for steps above `step` [m] on floor of at most `slope`."""
+        camera = region.camera
+        height, focal = camera.floor.d, camera.intrinsics.fx if region.transposed else camera.intrinsics.fy
         close = math.sqrt(max(float(SHARP_RISE) * focal * height - height * height, 0.0))
         return cls(*map(f32, (height, step, DEVIATIONS * camera.noise * height, slope, min(close, FARTHEST))))
 

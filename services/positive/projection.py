@@ -52,7 +52,7 @@ def projection(
         points.millimetres, points.heights, points.distances, outward, band, uncertain, height, steepest, level, seen
     )
     if wheel_step:
-        mark_rises(standing, points, outward, Sight.of(points.region.camera, wheel_step, slope))
+        mark_rises(standing, points, outward, Sight.of(points.region, wheel_step, slope))
     return min_per_beam(standing, points.region, grid)
 
 

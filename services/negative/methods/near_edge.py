@@ -94,7 +94,7 @@ def near_edge(
     heights, in_view = heights_along(points, lines, order)
     traced = floor_trace(heights, order, lines, in_view, np.float32(height), single(criteria))
     if wheel_step:
-        end_at_steps(traced, heights, order, lines, Sight.of(region.camera, wheel_step, criteria.slope))
+        end_at_steps(traced, heights, order, lines, Sight.of(region, wheel_step, criteria.slope))
     end, row, level, *_ = traced
     facts = height, criteria.noise
     end_at_faces(heights, order, lines, in_view.first, *traced, *facts, criteria.slope, criteria.step)

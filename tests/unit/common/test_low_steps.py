@@ -8,10 +8,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cliffscan.common.contract.camera import FloorPlane, scan_axes
+from cliffscan.common.contract.camera import FloorPlane, Intrinsics, scan_axes
 from cliffscan.common.contract.depth_codec import RAW
 from cliffscan.common.contract.evidence import Evidence
 from cliffscan.common.contract.messages import DepthImage
+from cliffscan.common.perception.image_region import image_region
 from cliffscan.common.perception.low_steps import NONE, Sight, follow, low_steps
 from cliffscan.services.negative.config import NegativeConfig
 from cliffscan.services.perception.perceive import Scans, Settings, perceive
@@ -20,7 +21,7 @@ from cliffscan.simulator.kinect import KinectModel, kinect_camera, measure, retu
 from tests import naive_low_steps, scenes
 
 ANGLES = Settings().positive.grid().angles()
-SIGHT = Sight.of(kinect_camera(), step=0.012, slope=0.12)
+SIGHT = Sight.of(image_region(kinect_camera(), math.inf), step=0.012, slope=0.12)
 PITCHES = pytest.mark.parametrize("pitch", [0.0, 15.0])
 STEPS = pytest.mark.parametrize("height", [0.015, 0.02, 0.025])
 WAYS = pytest.mark.parametrize(
@@ -154,6 +155,16 @@ def test_a_fall_after_less_floor_than_a_sills_width_is_none_unless_the_floor_beg
     assert kind_of(*line((0.1, 0.0), (0.3, -0.02))) == -1.0
     assert kind_of(*line((0.3, 0.0), (0.02, 0.01), (0.1, 0.0), (0.3, -0.02))) == NONE
     assert kind_of(*line((0.1, 0.02), (0.3, 0.0))) == NONE  # the top of a thing
+
+
+@pytest.mark.parametrize("roll", [0.0, 90.0])
+def test_lines_that_are_left_out_shorten_no_reach(roll):
+    camera = replace(kinect_camera(), floor=FloorPlane.from_mount(0.3, 0.0, math.radians(roll)))
+    fx, fy, cx, cy = camera.intrinsics
+    sparse = Intrinsics(fx, fy / 3, cx, cy / 3) if roll else Intrinsics(fx / 3, fy, cx / 3, cy)
+    seen = [image_region(each, math.inf) for each in (camera, replace(camera, intrinsics=sparse))]
+    whole, thin = (Sight.of(each, step=0.012, slope=0.12) for each in seen)
+    assert thin == whole
 
 
 def test_a_rough_floor_hides_what_it_may_be_itself():
