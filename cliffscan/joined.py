@@ -1,8 +1,9 @@
-"""Whether the router that a router with keys has joined lets anything pass.
+"""Whether the router that a router has joined lets anything pass.
 
-Where a router is joined by two links at a time, Zenoh now and then looks for the other's certificate before it has one:
-then it takes the other for nobody, and refuses all that it sends, without a word and for as long as the links last. The
-other's tokens may arrive all the same, so only an answer to a question tells that both ways are open.
+Where a router is joined by two links at a time, Zenoh now and then sends the first word of who it is on one link before
+the other end is ready for it, or looks for the other's certificate before it has one. Then one takes the other for
+nobody, and refuses all that it sends, without a word and for as long as the links last. The other's tokens may arrive
+all the same, so only an answer to a question tells that both ways are open.
 """
 
 from collections.abc import Collection

@@ -17,10 +17,11 @@ log = logging.getLogger("cliffscan")
 def route(network: Network, robot: str, name: str, stop: StopSignal) -> int:
     """Route as `router-NAME` until the process is asked to end; anew when its keys or rules are renewed.
 
-    Zenoh reads the certificate of who listens, and the rules, when a session is opened and never again.
+    Zenoh reads the certificate of who listens, and the rules, when a session is opened and never again. And two routers
+    that join may let nothing pass; see Joined.
     """
     token = f"router-{name}"
-    joined = Joined(token) if network.secure and targets(network) else None
+    joined = Joined(token) if targets(network) else None
     while not stop.is_set():
         files = Files(network)
         bus = connect(network, robot, stop)
@@ -39,7 +40,7 @@ def _route_once(service: Service[ServiceConfig], files: Files, joined: Joined | 
         if files.renewed():
             log.info("keys or rules were renewed: opening anew")
             return
-        if joined and joined.is_shut(service.bus.connected, service.bus.alive()):
+        if joined and joined.is_shut(service.bus.joined, service.bus.alive()):
             log.warning("nothing passes, though the other router is reached: opening anew")
             return
 

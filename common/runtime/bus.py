@@ -15,7 +15,7 @@ from cliffscan.common.contract.message import Message, MessageError, check_size,
 from cliffscan.common.contract.topics import ROBOT_NAME, Topic, alive, most_bytes
 from cliffscan.common.runtime.foreign_keys import ForeignKeys
 from cliffscan.common.runtime.metrics import ServiceMetrics
-from cliffscan.common.runtime.network import BusError, Network, first_line, linked, open_session
+from cliffscan.common.runtime.network import BusError, Network, first_line, linked, linked_twice, open_session
 from cliffscan.common.runtime.pace import Pace
 from cliffscan.common.runtime.qos import declare_publisher
 from cliffscan.common.runtime.raw_samples import RawSamples
@@ -78,6 +78,11 @@ class Bus:
     def connected(self) -> bool:
         """Whether a router or another peer is reached at this moment."""
         return linked(self._session)
+
+    @property
+    def joined(self) -> bool:
+        """Whether this router and another of ours are joined at this moment, which is by two links."""
+        return linked_twice(self._session)
 
     def watch_door(self) -> None:
         """Log why nothing passes, as long as nothing does; until the session ends."""

@@ -116,6 +116,12 @@ def linked(session: zenoh.Session) -> bool:
     return bool(session.info.routers_zid() or session.info.peers_zid())
 
 
+def linked_twice(session: zenoh.Session) -> bool:
+    """Whether there is a process at the other end of two links, as between two of our routers."""
+    ends = [str(link.zid) for link in session.info.links()]
+    return len(set(ends)) < len(ends)
+
+
 def _has_token(session: zenoh.Session, pattern: str) -> bool:
     return any(reply.ok for reply in session.liveliness().get(pattern, timeout=TOKEN_TIMEOUT))
 

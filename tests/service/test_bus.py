@@ -13,7 +13,7 @@ import zenoh
 from cliffscan.common.contract.topics import VELOCITY
 from cliffscan.common.runtime.bus import Bus
 from cliffscan.common.runtime.network import Network
-from tests.service.conftest import DEADLINE, wait_until
+from tests.service.conftest import DEADLINE, free_endpoint, wait_until
 
 NOT_LATE = 5.0  # [s] that a single answer may take in a flood on a busy machine; without rings it takes ten on any
 
@@ -237,3 +237,16 @@ def test_what_one_robot_declared_can_be_taken_back_alone(client):
         assert arrived.wait(DEADLINE)
         assert not taken_back
         assert bus.robots()["another"] == {"perception"}
+
+
+def test_two_routers_are_joined_and_what_is_no_router_is_not(client, bus):
+    with Bus(Network("router", [client.endpoint], [free_endpoint()]), client.robot) as router:
+        wait_until(lambda: router.connected)
+        assert not router.joined  # the tests' router knows nothing of ours
+        with (
+            Bus(Network("router", [], [endpoint := free_endpoint()]), client.robot),
+            Bus(Network("router", [endpoint], [free_endpoint()]), client.robot) as second,
+        ):
+            wait_until(lambda: second.joined)
+    assert bus.connected
+    assert not bus.joined
