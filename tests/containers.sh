@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Proves Dockerfile and docker-compose.yml, on demand and as root: every image builds, both profiles come up healthy
 # with an emulated base, fused scans come out of both routers, a service that dies comes back, and all of them end with
-# exit 0. Needs Python 3.11 for the emulated base.
+# exit 0; with keys, too, where nobody is let in without. Needs Python 3.11 for the emulated base.
 #
 # Where no engine runs it starts one of its own (Debian's docker.io, installed when missing); where the base image
 # cannot be pulled it makes one (mmdebstrap); Compose comes from PyPI when missing. At the end all of that is gone,
@@ -53,6 +53,22 @@ make_base() {
 fused_scan() {  # PORT: one fused scan, read on this machine through that router
     docker run --rm --init --network host --entrypoint cliffscan $COMPOSE_PROJECT_NAME-fuse \
         echo scan/fused --count 1 --timeout 60 --mode client --connect "tcp/127.0.0.1:$1"
+}
+
+keyed() {  # VOLUME NETWORK COMMAND...: a command in a container that has these keys
+    docker run --rm --init --volume "$1" --network "$2" --entrypoint "$3" $COMPOSE_PROJECT_NAME-router-robot "${@:4}"
+}
+
+up() {
+    "${compose[@]}" up --wait --wait-timeout 180 2>"$work/up.log" || { tail --lines 5 "$work/up.log"; exit 1; }
+    "${compose[@]}" ps --format '{{.Service}}: {{.Status}}'
+}
+
+down() {  # stop all, and look how they ended
+    "${compose[@]}" stop --timeout 5 2>/dev/null
+    "${compose[@]}" ps --all --format '{{.Service}}: {{.ExitCode}}' | tee "$work/codes"
+    test "$(grep --count ': 0$' "$work/codes")" = 7
+    "${compose[@]}" down --timeout 5 2>/dev/null
 }
 
 finish() {
@@ -117,8 +133,7 @@ KOBUKI_PORT=$work/none "${compose[@]}" run --rm --no-deps kobuki 2>"$work/refuse
 [[ ! -e $work/none ]]
 
 say "both profiles, healthy"
-"${compose[@]}" up --wait --wait-timeout 180 2>"$work/up.log" || { tail --lines 5 "$work/up.log"; exit 1; }
-"${compose[@]}" ps --format '{{.Service}}: {{.Status}}'
+up
 
 say "kernels come compiled with the images"
 for service in negative positive; do
@@ -136,6 +151,22 @@ fused_scan 7447
 docker inspect --format 'restarts: {{.RestartCount}}' $COMPOSE_PROJECT_NAME-fuse-1 | grep ' 1$'
 
 say "all end with exit 0"
-"${compose[@]}" stop --timeout 5 2>/dev/null
-"${compose[@]}" ps --all --format '{{.Service}}: {{.ExitCode}}' | tee "$work/codes"
-test "$(grep --count ': 0$' "$work/codes")" = 7
+down
+
+say "with keys: both profiles, healthy"
+KEYS=$work/keys
+export KEYS
+install --directory --owner 1000 "$KEYS"
+keyed "$KEYS:/keys" none cliffscan keys init /keys --host router-robot --host router-workstation
+compose+=(--file docker-compose.yml --file docker-compose.secure.yml)
+up
+
+say "a fused scan for a viewer through either router, and for nobody without keys"
+for router in robot workstation; do
+    viewer=("$KEYS/viewer:/keys/viewer:ro" "${COMPOSE_PROJECT_NAME}_default" cliffscan echo scan/fused --count 1)
+    keyed "${viewer[@]}" --timeout 60 --secure /keys --connect "tls/router-$router:7447"
+    keyed "${viewer[@]}" --timeout 5 --mode client --connect "tcp/router-$router:7447" && exit 1
+done
+
+say "all end with exit 0"
+down
