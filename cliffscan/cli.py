@@ -185,9 +185,12 @@ def on_bus(
     """A command that needs no more than the bus."""
 
     def command(arguments: argparse.Namespace, stop: StopSignal) -> int:
-        bus = connect(options.network(arguments), arguments.robot, stop)
+        timeout = getattr(arguments, "timeout", 0.0)
+        bus = connect(options.network(arguments), arguments.robot, stop, timeout or math.inf)
         if bus is None:
-            return 0
+            if not stop.is_set():
+                print(f"cliffscan: no router within {timeout:g} s", file=sys.stderr)
+            return int(not stop.is_set())
         with bus:
             if notice := bus.notice():
                 print(f"cliffscan: {arguments.role}: {notice}", file=sys.stderr)

@@ -156,7 +156,8 @@ down
 say "with keys: both profiles, healthy"
 KEYS=$work/keys
 export KEYS
-install --directory --owner 1000 "$KEYS"
+mkdir "$KEYS"
+chown 1000 "$KEYS"
 keyed "$KEYS:/keys" none cliffscan keys init /keys --host router-robot --host router-workstation
 compose+=(--file docker-compose.yml --file docker-compose.secure.yml)
 up

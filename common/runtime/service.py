@@ -2,6 +2,7 @@
 
 import argparse
 import logging
+import math
 import os
 import signal
 import sys
@@ -266,10 +267,10 @@ def reporting(report: Callable[[], None], stop: StopSignal) -> Iterator[None]:
         reporter.join()
 
 
-def connect(network: Network, robot: str, stop: threading.Event) -> Bus | None:
-    """The bus, as soon as a router answers; None where the process was asked to end before that."""
-    told = ""
-    while not stop.is_set():
+def connect(network: Network, robot: str, stop: threading.Event, seconds: float = math.inf) -> Bus | None:
+    """The bus, as soon as a router answers; None where none did in `seconds` [s] or the process was asked to end."""
+    told, until = "", time.monotonic() + seconds
+    while not stop.is_set() and time.monotonic() < until:
         try:
             bus = Bus(network, robot)
         except NotConnected as error:

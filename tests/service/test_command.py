@@ -140,6 +140,13 @@ def test_echo_prints_what_is_said_and_what_is_wrong_with_it(client, start, place
     assert nothing.stderr == told
 
 
+def test_echo_waits_for_a_router_no_longer_than_it_is_told():
+    nobody = ask("echo", "scan/fused", "--timeout", "0.2", "--mode", "client", "--connect", free_endpoint())
+    assert nobody.returncode == 1
+    assert nobody.stderr.splitlines()[-1] == "cliffscan: no router within 0.2 s"
+    assert "Connection refused" in nobody.stderr
+
+
 def test_up_refuses_what_a_service_refuses(client, run):
     process = run(cliffscan("up", "--robot", client.robot, "--listen", free_endpoint(), "--set", "scan.beams=none"))
     process.expected = 2
