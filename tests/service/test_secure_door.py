@@ -9,6 +9,7 @@ from datetime import timedelta
 import pytest
 import zenoh
 
+from cliffscan.common.runtime import zenoh_config
 from cliffscan.common.runtime.bus import Bus
 from cliffscan.common.runtime.network import Network, NotConnected
 from cliffscan.common.runtime.secure import Credentials
@@ -205,7 +206,8 @@ def test_a_router_takes_up_renewed_keys_when_all_of_them_are_there(made, keys, r
 
 def test_a_router_that_is_joined_and_lets_nothing_pass_is_joined_anew(keys, run):
     robot, join = secured_endpoint(), [*(sys.executable, "-m", "cliffscan", "router", "--name", "workstation")]
-    with opened(keys, "router", listen=robot) as session:
+    ours = zenoh_config.build({"listen/endpoints": [robot]}, keys / "router/zenoh.json5")  # is joined by two links
+    with zenoh.open(ours) as session:
         place = ["--robot", "r", "--secure", str(keys), "--connect", robot, "--listen", secured_endpoint()]
         process = run([*join, *place])
         process.wait_said("nothing passes, though the other router is reached: opening anew")
