@@ -185,12 +185,12 @@ def on_bus(
     """A command that needs no more than the bus."""
 
     def command(arguments: argparse.Namespace, stop: StopSignal) -> int:
-        timeout = getattr(arguments, "timeout", 0.0)
-        bus = connect(options.network(arguments), arguments.robot, stop, timeout or math.inf)
+        bus = connect(options.network(arguments), arguments.robot, stop, arguments.timeout or math.inf)
+        if bus is None and stop.is_set():
+            return 0
         if bus is None:
-            if not stop.is_set():
-                print(f"cliffscan: no router within {timeout:g} s", file=sys.stderr)
-            return int(not stop.is_set())
+            print(f"cliffscan: no router within {arguments.timeout:g} s", file=sys.stderr)
+            return 1
         with bus:
             if notice := bus.notice():
                 print(f"cliffscan: {arguments.role}: {notice}", file=sys.stderr)
@@ -241,7 +241,7 @@ def build_parser() -> argparse.ArgumentParser:
         places(added)
         if role:
             added.add_argument("--role", default=role, metavar="NAME", help=f"whose keys --secure uses ({role})")
-        added.set_defaults(command=command)
+        added.set_defaults(command=command, timeout=0.0)  # no limit, where there is no option for it
         return added
 
     started = add(

@@ -84,7 +84,7 @@ class Driver:
         """What gets it away from a place where it has not moved for long: back, on, the other way round, back again."""
         tries = math.floor((now - self._moved_at - STUCK) / ESCAPE)  # that are over; negative before the first begins
         ways = BACKWARD, FORWARD, Twist(0.0, -math.copysign(FASTEST_TURN, self._turn)), BACKWARD
-        if tries == len(ways) or (tries != 0 and self._gone(pose)) or (tries < 0 and self._turned(pose)):
+        if tries >= len(ways) or (tries != 0 and self._gone(pose)) or (tries < 0 and self._turned(pose)):
             self._moved, self._moved_at = pose, now
             return None
         return ways[tries] if tries >= 0 else None
