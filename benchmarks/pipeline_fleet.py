@@ -21,7 +21,7 @@ import psutil
 from rich.console import Console
 
 from cliffscan.common.contract import topics
-from cliffscan.common.contract.camera import FloorPlane
+from cliffscan.common.contract.camera import FloorPlane, Intrinsics
 from cliffscan.common.contract.depth_codec import LEVELS, RAW
 from cliffscan.common.contract.messages import DepthImage, LaserScan
 from cliffscan.common.runtime.bus import Bus
@@ -52,12 +52,19 @@ class Run(NamedTuple):
     resident: float  # [MiB]
 
 
-def drawn(encoding: str, pitch: float) -> list[DepthImage]:
-    """Noisy frames of a room by a camera that looks `pitch` [deg] down and nods a little, with their floor planes."""
-    images = []
+def drawn(encoding: str, pitch: float, coarser: int = 1) -> list[DepthImage]:
+    """Noisy frames of a room by a camera that looks `pitch` [deg] down and nods a little, with their floor planes.
+
+    coarser: how many times fewer rows and columns than a Kinect's they have.
+    """
+    kinect, images = kinect_camera(), []
+    width, height = kinect.width // coarser, kinect.height // coarser
+    fx, fy, cx, cy = kinect.intrinsics
+    middle = 0.5 * (coarser - 1)  # of the pixels that become one
+    intrinsics = Intrinsics(fx / coarser, fy / coarser, (cx - middle) / coarser, (cy - middle) / coarser)
     for number in range(DRAWN):
         floor = FloorPlane.from_mount(0.30, math.radians(pitch + 0.02 * number))
-        camera = replace(kinect_camera(), floor=floor)
+        camera = replace(kinect, width=width, height=height, intrinsics=intrinsics, floor=floor)
         frame = SimulatedKinect("paper_room", camera, seed=number).frame()
         images.append(DepthImage.pack(0, 0, "camera", frame, camera, encoding, 1 / 30))
     return images

@@ -281,10 +281,9 @@ class Bus:
         self._readers.once(key, ask)
 
     def _replies(self, key: str) -> Iterator[zenoh.ZBytes]:
-        """What is kept at a key."""
-        ring: zenoh.handlers.RingChannel[zenoh.Reply] = zenoh.handlers.RingChannel(REQUESTS)
+        """What is kept at a key; not through a ring, which drops what it holds with the end of the answers."""
         every = zenoh.ConsolidationMode.NONE
-        for reply in self._session.get(key, ring, consolidation=every, timeout=LATCH_TIMEOUT):
+        for reply in self._session.get(key, consolidation=every, timeout=LATCH_TIMEOUT):
             if reply.ok:
                 yield reply.ok.payload
 

@@ -29,13 +29,18 @@ def wait_answered(client, path):
     wait_until(lambda: any(reply.ok for reply in client.session.get(f"{client.robot}/{path}", timeout=DEADLINE)))
 
 
-@contextlib.contextmanager
-def flood(client, act, burst):
-    """Another client that does something `burst` times a millisecond at most, in a thread of its own."""
+def stranger(client):
+    """The session of another client."""
     config = zenoh.Config()
     config.insert_json5("mode", '"client"')
     config.insert_json5("connect/endpoints", json.dumps([client.endpoint]))
-    over, session = threading.Event(), zenoh.open(config)
+    return zenoh.open(config)
+
+
+@contextlib.contextmanager
+def flood(client, act, burst):
+    """Another client that does something `burst` times a millisecond at most, in a thread of its own."""
+    over, session = threading.Event(), stranger(client)
 
     def run():
         while not over.wait(0.001):
@@ -169,6 +174,21 @@ def test_what_is_kept_comes_to_those_who_come_later(client, bus):
 
         wait_until(asked_again)
     assert set(arrived) == {0.5}
+
+
+def test_no_answer_with_what_is_kept_is_lost(client, bus):
+    key, kept, arrived = f"{client.robot}/description", [b"%d" % number for number in range(8)], []
+
+    def answer(query):
+        for payload in kept:
+            query.reply(key, payload)
+
+    with stranger(client) as keeper:
+        keeper.declare_queryable(key, answer)
+        wait_answered(client, "description")
+        for asked in range(1, 6):
+            bus.receive_latched("description", lambda _, payload: arrived.append(payload))
+            wait_until(lambda times=asked: len(arrived) == times * len(kept))
 
 
 def test_who_is_too_busy_to_answer_is_asked_again_for_what_is_kept(client, bus):
