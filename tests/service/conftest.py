@@ -92,6 +92,12 @@ class Client:
         with self._changed:
             assert self._changed.wait_for(lambda: self._alive.get(service, False) == alive, DEADLINE), service
 
+    def wait_subscribed(self, path):
+        """Wait until the router knows that somebody subscribes."""
+        publisher = self.session.declare_publisher(f"{self.robot}/{path}")
+        wait_until(lambda: publisher.matching_status.matching)
+        publisher.undeclare()
+
     def put(self, path, message):
         payload = message if isinstance(message, bytes) else msgpack.packb(message)
         self.session.put(f"{self.robot}/{path}", payload, congestion_control=zenoh.CongestionControl.BLOCK)

@@ -128,6 +128,7 @@ def test_a_hostile_robot_costs_no_frame_of_another(client, start, kind, named):
 def test_every_robot_is_served_from_its_first_frame_on(client, start):
     process = perception(start, robots=["*"])
     process.wait_said("ready for every robot")
+    client.wait_subscribed("camera/depth")
     for robot in (client, client.another(), client.another()):
         ear = robot.listen("scan/fused")
         assert answered(robot, ear, 1)["stamp"] == SECOND + 1
@@ -140,6 +141,7 @@ def test_a_robot_that_sends_no_image_is_not_discovered(client, start):
     stranger = client.another()
     process = perception(start, robots=["*"])
     process.wait_said("ready for every robot")
+    client.wait_subscribed("camera/depth")
     tokens = client.session.liveliness()
     stranger.put("camera/depth", b"no image")
     process.wait_said(f"malformed (1 so far): {stranger.robot}/camera/depth: ")

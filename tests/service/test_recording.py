@@ -36,8 +36,7 @@ def record(client, run, place):
     def begin(path, *options):
         process = run(cliffscan("record", path, *place, *options))
         process.wait_said(f"recording {client.robot} to")
-        marked = client.session.declare_publisher(f"{client.robot}/camera/depth")
-        wait_until(lambda: marked.matching_status.matching)
+        client.wait_subscribed("camera/depth")
         return process
 
     return begin
