@@ -29,7 +29,7 @@ LOOKAHEAD = 1.5  # [m]
 SLOW = 0.05  # [m/s] below which a robot that is to go is held
 AHEAD = math.radians(60.0)  # beyond, it turns on the spot first
 STUCK, ESCAPE = 4.0, 2.0  # [s] without moving after which it gets away, and for how long it tries each way to
-MOVED, TURNED = 0.03, math.radians(10.0)  # [m] and [rad] that count as moving
+MOVED, TURNED = 0.15, math.radians(10.0)  # of a robot's own length ahead, and [rad], that count as moving
 BACKWARD, FORWARD = Twist(-0.1, 0.0), Twist(0.1, 0.0)
 FASTEST_TURN = 1.8  # [rad/s]
 GAINS = (1.2, 3.0)  # [1/s] how hard it steers
@@ -41,6 +41,7 @@ class Driver:
     def __init__(self, low: Place, high: Place, speed: float, random: Random, size: Size) -> None:
         self._speed, self._random = speed, random
         self._memory = Memory(low, high, size)
+        self._least = MOVED * size.ahead  # [m] that counts as moving
         self._way: list[Place] = []  # to the goal, which is its last place
         self._whim = False
         self._until = 0.0  # [s] when the goal is given up
@@ -90,7 +91,7 @@ class Driver:
         return ways[tries] if tries >= 0 else None
 
     def _gone(self, pose: Pose) -> bool:
-        return math.dist((pose.x, pose.y), (self._moved.x, self._moved.y)) > MOVED
+        return math.dist((pose.x, pose.y), (self._moved.x, self._moved.y)) > self._least
 
     def _turned(self, pose: Pose) -> bool:
         return abs(math.remainder(pose.yaw - self._moved.yaw, math.tau)) > TURNED
