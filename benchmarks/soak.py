@@ -217,6 +217,7 @@ def main() -> None:
         Bus(Network("router", listen=[robot]), name) as bus,
         System(plan, stop) as system,
     ):
+        bus.announce(f"router-{name}")
         soak = Soak(system, bus, images)
         try:
             soak.start()

@@ -9,7 +9,7 @@ all the same, so only an answer to a question tells that both ways are open.
 from collections.abc import Collection
 
 PATIENCE = 3  # looks, a second apart, in which a router that lets us pass has shown itself
-TRIES = 10  # sessions that are opened anew until one has: there may be none that shows itself
+TRIES = 3  # sessions that are opened anew until one has; each costs frames, and there may be none that shows itself
 
 
 class Joined:
