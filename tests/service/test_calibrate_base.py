@@ -9,6 +9,9 @@ from tests import forked
 from tests.external_base import ExternalBase
 from tests.service.conftest import DEADLINE, wait_until
 
+TRIES = 10  # on a machine that is busy with other tests
+STALLED = "between two messages of odometry", "the odometry has stopped"
+
 
 @pytest.fixture
 def calibrate(client):
@@ -25,10 +28,6 @@ def test_the_brakes_of_a_base_of_another_make_are_found(client, start, calibrate
     with ExternalBase(client, dead_time=0.15, deceleration=0.8, turning=3.0):
         start("gate", "--set", "gate.simulated=true", "--set", "gate.require_scan=false")
         assert any(is_near(calibrate()) for _ in range(TRIES))
-
-
-TRIES = 10  # on a machine that is busy with other tests
-STALLED = "between two messages of odometry", "the odometry has stopped"
 
 
 def is_near(done):
