@@ -28,7 +28,8 @@ from cliffscan.common.contract.depth_codec import LEVELS
 from cliffscan.common.contract.messages import DepthImage, LaserScan
 from cliffscan.common.runtime.bus import EVERY, Bus
 from cliffscan.common.runtime.network import Network
-from cliffscan.common.runtime.service import StopSignal, connect
+from cliffscan.common.runtime.service import connect
+from cliffscan.common.runtime.stop_signal import StopSignal
 from cliffscan.services.capture.config import CaptureConfig
 from cliffscan.services.capture.sources.replay import open_recorded
 from cliffscan.services.perception.standing import CLAIM

@@ -17,7 +17,8 @@ from rich.console import Console
 from cliffscan.common.contract import topics
 from cliffscan.common.contract.messages import LaserScan
 from cliffscan.common.runtime.latest_queue import LatestQueue
-from cliffscan.common.runtime.service import PATIENCE, StopSignal
+from cliffscan.common.runtime.service import PATIENCE
+from cliffscan.common.runtime.stop_signal import StopSignal
 from cliffscan.system import Plan, System
 from evaluation.processes.network import free_endpoint
 from evaluation.processes.started import cpu

@@ -26,7 +26,8 @@ from cliffscan.common.contract.depth_codec import LEVELS, RAW
 from cliffscan.common.contract.messages import DepthImage, LaserScan
 from cliffscan.common.runtime.bus import Bus
 from cliffscan.common.runtime.network import Network
-from cliffscan.common.runtime.service import StopSignal, connect
+from cliffscan.common.runtime.service import connect
+from cliffscan.common.runtime.stop_signal import StopSignal
 from cliffscan.simulator.camera import SimulatedKinect
 from cliffscan.simulator.kinect import kinect_camera
 from evaluation.processes.network import free_endpoint

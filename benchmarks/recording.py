@@ -21,7 +21,8 @@ from cliffscan.common.contract.depth_codec import LEVELS
 from cliffscan.common.contract.messages import DepthImage
 from cliffscan.common.runtime.bus import Bus
 from cliffscan.common.runtime.network import Network
-from cliffscan.common.runtime.service import StopSignal, connect
+from cliffscan.common.runtime.service import connect
+from cliffscan.common.runtime.stop_signal import StopSignal
 from cliffscan.services.perception.perceive import Settings, perceive
 from cliffscan.simulator.camera import SimulatedKinect
 from cliffscan.simulator.kinect import kinect_camera

@@ -31,7 +31,7 @@ from cliffscan.common.contract.messages import DepthImage, LaserScan
 from cliffscan.common.runtime.bus import Bus
 from cliffscan.common.runtime.latest_queue import LatestQueue
 from cliffscan.common.runtime.network import Network
-from cliffscan.common.runtime.service import StopSignal
+from cliffscan.common.runtime.stop_signal import StopSignal
 from cliffscan.parts import WORKSTATION
 from cliffscan.system import Plan, System
 from evaluation.processes.network import free_endpoint

@@ -15,7 +15,8 @@ from cliffscan.common.contract.messages import DepthImage, ServiceStatus
 from cliffscan.common.contract.topics import DEPTH, STATUS
 from cliffscan.common.runtime.bus import Bus
 from cliffscan.common.runtime.latest_queue import LatestQueue
-from cliffscan.common.runtime.service import PATIENCE, StopSignal
+from cliffscan.common.runtime.service import PATIENCE
+from cliffscan.common.runtime.stop_signal import StopSignal
 from cliffscan.floor_survey import UNITS, FloorSurvey, Noise
 from cliffscan.plain import plain
 

@@ -21,7 +21,8 @@ from cliffscan.common.contract.message import MessageError
 from cliffscan.common.contract.topics import ODOMETRY, SAFETY, VELOCITY
 from cliffscan.common.runtime.bus import Bus
 from cliffscan.common.runtime.config import BASES
-from cliffscan.common.runtime.service import PATIENCE, StopSignal
+from cliffscan.common.runtime.service import PATIENCE
+from cliffscan.common.runtime.stop_signal import StopSignal
 from cliffscan.drive import PRIORITY
 from cliffscan.plain import plain
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from cliffscan.common.contract.camera import Camera
 from cliffscan.common.runtime.config import ConfigError
-from cliffscan.common.runtime.service import StopSignal
+from cliffscan.common.runtime.stop_signal import StopSignal
 from cliffscan.floor_survey import UNITS
 from cliffscan.inspection import ENOUGH, Facts, inspect
 from cliffscan.plain import plain

@@ -21,7 +21,8 @@ from cliffscan.common.runtime.bus import Bus
 from cliffscan.common.runtime.config import ConfigError
 from cliffscan.common.runtime.network import BusError
 from cliffscan.common.runtime.secure import ROUTERS, SecureError
-from cliffscan.common.runtime.service import USAGE_ERROR, StopSignal, connect, package_version
+from cliffscan.common.runtime.service import USAGE_ERROR, connect, package_version
+from cliffscan.common.runtime.stop_signal import StopSignal
 from cliffscan.doctor.command import doctor
 from cliffscan.drive import PRIORITY, drive
 from cliffscan.echo import echo

@@ -10,7 +10,7 @@ from PIL import Image
 
 from cliffscan.common.contract.camera import Camera
 from cliffscan.common.runtime.config import ConfigError
-from cliffscan.common.runtime.service import StopSignal
+from cliffscan.common.runtime.stop_signal import StopSignal
 from cliffscan.plain import plain
 from cliffscan.services.capture.config import CaptureConfig
 from cliffscan.services.capture.sources.depth_folder import CAMERA_FILE

@@ -19,7 +19,8 @@ from cliffscan.common.contract.base_messages import Velocity
 from cliffscan.common.contract.message import MessageError
 from cliffscan.common.contract.topics import VELOCITY, command
 from cliffscan.common.runtime.bus import Bus, Publisher
-from cliffscan.common.runtime.service import USAGE_ERROR, StopSignal
+from cliffscan.common.runtime.service import USAGE_ERROR
+from cliffscan.common.runtime.stop_signal import StopSignal
 from cliffscan.dashboard import Board, lines, screen
 from cliffscan.hang_up import hang_up_stops
 from cliffscan.keys import FASTEST, FASTEST_TURN, STILL, KeyPad, Motion, Order

@@ -7,7 +7,8 @@ from cliffscan.common.contract.message import MessageError
 from cliffscan.common.contract.topics import message_at
 from cliffscan.common.runtime.bus import Bus
 from cliffscan.common.runtime.latest_queue import LatestQueue
-from cliffscan.common.runtime.service import PATIENCE, StopSignal
+from cliffscan.common.runtime.service import PATIENCE
+from cliffscan.common.runtime.stop_signal import StopSignal
 from cliffscan.common.runtime.suggest import suggest
 from cliffscan.live import live_keys
 from cliffscan.plain import plain

@@ -4,7 +4,7 @@ import signal
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-from cliffscan.common.runtime.service import StopSignal
+from cliffscan.common.runtime.stop_signal import StopSignal
 
 NUMBERS = (signal.SIGHUP, signal.SIGQUIT)
 

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from cliffscan.common.contract.camera import Camera
 from cliffscan.common.contract.description import Place
-from cliffscan.common.runtime.service import StopSignal
+from cliffscan.common.runtime.stop_signal import StopSignal
 from cliffscan.floor_survey import FloorSurvey
 from cliffscan.services.capture.config import CaptureConfig
 from cliffscan.services.capture.sources.depth_source import BadFrame

@@ -4,7 +4,7 @@ import sys
 
 from cliffscan.common.contract.topics import alive, message_at
 from cliffscan.common.runtime.bus import Bus
-from cliffscan.common.runtime.service import StopSignal
+from cliffscan.common.runtime.stop_signal import StopSignal
 from cliffscan.live import NEWS, live_keys
 from cliffscan.plain import plain
 

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from cliffscan.common.runtime.bus import Bus
 from cliffscan.common.runtime.config import SERVICES
-from cliffscan.common.runtime.service import StopSignal
+from cliffscan.common.runtime.stop_signal import StopSignal
 from cliffscan.common.runtime.suggest import suggest
 from cliffscan.plain import plain
 

@@ -6,7 +6,7 @@ from pathlib import Path
 from cliffscan.common.runtime import config as configuration
 from cliffscan.common.runtime import options
 from cliffscan.common.runtime.config import ConfigError
-from cliffscan.common.runtime.service import StopSignal
+from cliffscan.common.runtime.stop_signal import StopSignal
 from cliffscan.recording.commands import Add
 from cliffscan.services.capture.config import CaptureConfig
 from cliffscan.services.capture.sources.open_source import installed

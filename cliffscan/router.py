@@ -8,7 +8,8 @@ from pathlib import Path
 from cliffscan.common.runtime.config import ServiceConfig
 from cliffscan.common.runtime.network import BusError, Network, check, targets
 from cliffscan.common.runtime.secure import FILES
-from cliffscan.common.runtime.service import STATUS_PERIOD, Service, StopSignal, connect
+from cliffscan.common.runtime.service import STATUS_PERIOD, Service, connect
+from cliffscan.common.runtime.stop_signal import StopSignal
 from cliffscan.joined import Joined
 
 log = logging.getLogger("cliffscan")

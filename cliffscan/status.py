@@ -14,7 +14,7 @@ from cliffscan.common.contract.message import MessageError
 from cliffscan.common.contract.messages import ServiceStatus
 from cliffscan.common.contract.topics import STATUS
 from cliffscan.common.runtime.bus import Bus
-from cliffscan.common.runtime.service import StopSignal
+from cliffscan.common.runtime.stop_signal import StopSignal
 from cliffscan.health import Health, LastStatus, examine, missing
 from cliffscan.listing import nothing_of
 from cliffscan.plain import plain

@@ -18,7 +18,7 @@ from cliffscan.common.runtime.config import SENSING, TABLES, ConfigError, meant_
 from cliffscan.common.runtime.network import Network, NotConnected, targets
 from cliffscan.common.runtime.options import VIEWER
 from cliffscan.common.runtime.secure import Credentials
-from cliffscan.common.runtime.service import StopSignal
+from cliffscan.common.runtime.stop_signal import StopSignal
 from cliffscan.common.runtime.suggest import suggest
 from cliffscan.hang_up import hang_up_stops
 from cliffscan.parts import KOBUKI, NO_BASE, PERCEPTION, REAL, SCANS, WORKSTATION, Part, listening, services_of

@@ -10,7 +10,8 @@ from rich.console import Console
 from cliffscan.cli import VIEW_PORT
 from cliffscan.common.runtime.config import ConfigError
 from cliffscan.common.runtime.network import BusError
-from cliffscan.common.runtime.service import USAGE_ERROR, StopSignal
+from cliffscan.common.runtime.service import USAGE_ERROR
+from cliffscan.common.runtime.stop_signal import StopSignal
 from cliffscan.supervisor import ConfigRefused
 from evaluation.processes.steering import Step, To
 from evaluation.processes.watch import Failed

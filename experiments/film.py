@@ -17,7 +17,7 @@ from rich.console import Console
 from cliffscan.common.contract.base_messages import Odometry
 from cliffscan.common.contract.topics import ODOMETRY, VELOCITY
 from cliffscan.common.runtime.config import SENSING
-from cliffscan.common.runtime.service import StopSignal
+from cliffscan.common.runtime.stop_signal import StopSignal
 from cliffscan.system import Plan, System
 from evaluation.processes.network import free_endpoint
 from experiments.map_system import RATE

@@ -14,7 +14,7 @@ from cliffscan.common.runtime import config as configuration
 from cliffscan.common.runtime.bus import Bus
 from cliffscan.common.runtime.config import C
 from cliffscan.common.runtime.latest_queue import LatestQueue
-from cliffscan.common.runtime.service import StopSignal
+from cliffscan.common.runtime.stop_signal import StopSignal
 from cliffscan.services.positive.config import PositiveConfig
 from cliffscan.supervisor import ConfigRefused
 from evaluation.pictures.cloud import Bands

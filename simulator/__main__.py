@@ -9,8 +9,9 @@ import math
 from contextlib import ExitStack
 from pathlib import Path
 
+from cliffscan.common.runtime.stop_signal import StopSignal
 from cliffscan.simulator.frame_server import FrameServer
-from cliffscan.simulator.kobuki.__main__ import USAGE_ERROR, stop_signal
+from cliffscan.simulator.kobuki.__main__ import USAGE_ERROR
 from cliffscan.simulator.kobuki.cable import PathError
 from cliffscan.simulator.kobuki.drive import WheelModel
 from cliffscan.simulator.kobuki.runner import Runner
@@ -60,7 +61,7 @@ def main() -> None:
     """Run a simulation until told to end."""
     parser = options()
     arguments = parser.parse_args()
-    stop = stop_signal()
+    stop = StopSignal()
     logging.basicConfig(level=logging.INFO, format="%(asctime)s %(levelname)s simulator: %(message)s")
     with ExitStack() as opened:
         try:

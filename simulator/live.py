@@ -3,9 +3,9 @@
 import json
 import logging
 import math
-import threading
 import time
 
+from cliffscan.common.runtime.stop_signal import StopSignal
 from cliffscan.simulator import wire
 from cliffscan.simulator.frame_server import FrameServer
 from cliffscan.simulator.kobuki import control
@@ -53,7 +53,7 @@ class Live:
         self._due = 0.0  # [s] of the simulation, when the next frame is
         self._sequence = 0
 
-    def run(self, runner: Runner, stop: threading.Event) -> None:
+    def run(self, runner: Runner, stop: StopSignal) -> None:
         """Let time pass until told to stop."""
         last = time.monotonic()
         while not stop.is_set():

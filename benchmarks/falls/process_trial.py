@@ -15,7 +15,7 @@ from cliffscan.common.contract.base_messages import BaseState, Odometry, Rule, S
 from cliffscan.common.contract.messages import LaserScan
 from cliffscan.common.contract.topics import BASE_STATE, ODOMETRY, SAFETY, SCAN_FUSED
 from cliffscan.common.runtime.latest_queue import LatestQueue
-from cliffscan.common.runtime.service import StopSignal
+from cliffscan.common.runtime.stop_signal import StopSignal
 from cliffscan.safety.inputs import REST, Twist
 from cliffscan.safety.rules import Decision
 from cliffscan.simulator.world import Pose, World

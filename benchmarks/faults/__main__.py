@@ -10,7 +10,7 @@ from benchmarks.faults.faults import known_faults
 from benchmarks.faults.report import table
 from benchmarks.faults.rig import running_rig
 from benchmarks.faults.trial import Outcome, run_trial
-from cliffscan.common.runtime.service import StopSignal
+from cliffscan.common.runtime.stop_signal import StopSignal
 from evaluation.processes.driven import Interrupted
 from evaluation.processes.service_log import ServiceLog
 

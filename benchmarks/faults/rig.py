@@ -13,7 +13,7 @@ from typing import NamedTuple
 from benchmarks.faults.frame_relay import FrameRelay
 from benchmarks.faults.intruder import Intrusion, Kind
 from cliffscan.common.contract.base_messages import Velocity
-from cliffscan.common.runtime.service import StopSignal
+from cliffscan.common.runtime.stop_signal import StopSignal
 from cliffscan.simulator.world import Pose
 from evaluation.processes.driven import SOURCE, DrivenRobot, driven_robot
 from evaluation.processes.steering import LINEAR, Command, To

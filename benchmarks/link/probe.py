@@ -13,7 +13,8 @@ from cliffscan.common.contract.base_messages import SafetyState, Velocity
 from cliffscan.common.contract.message import unpack
 from cliffscan.common.runtime import options
 from cliffscan.common.runtime.bus import Bus
-from cliffscan.common.runtime.service import StopSignal, connect
+from cliffscan.common.runtime.service import connect
+from cliffscan.common.runtime.stop_signal import StopSignal
 
 STAMPED = topics.SCAN_FUSED, topics.ODOMETRY
 LARGE = 1 << 20  # [bytes] more than a scan has

@@ -14,7 +14,8 @@ from cliffscan.common.runtime.config import ServiceConfig, load, meant_for
 from cliffscan.common.runtime.endpoints import parse
 from cliffscan.common.runtime.network import NotConnected
 from cliffscan.common.runtime.secure import SecureError
-from cliffscan.common.runtime.service import StopSignal, package_version
+from cliffscan.common.runtime.service import package_version
+from cliffscan.common.runtime.stop_signal import StopSignal
 from cliffscan.doctor import devices, host
 from cliffscan.doctor.finding import Finding, Level, fault, ok, warning, worst
 from cliffscan.doctor.observation import Observation, observe

@@ -22,7 +22,7 @@ from cliffscan.common.contract.topics import (
     most_bytes,
 )
 from cliffscan.common.runtime.bus import Bus
-from cliffscan.common.runtime.service import StopSignal
+from cliffscan.common.runtime.stop_signal import StopSignal
 from cliffscan.doctor.stream import Arrival
 from cliffscan.health import LastStatus
 from cliffscan.parts import KOBUKI

@@ -12,7 +12,8 @@ from typing import Protocol
 from cliffscan.common.runtime import options
 from cliffscan.common.runtime.config import ConfigError
 from cliffscan.common.runtime.raw_samples import key_matcher
-from cliffscan.common.runtime.service import StopSignal, connect
+from cliffscan.common.runtime.service import connect
+from cliffscan.common.runtime.stop_signal import StopSignal
 from cliffscan.recording.errors import RecordingError
 from cliffscan.recording.words import parse_size
 

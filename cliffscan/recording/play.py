@@ -9,7 +9,7 @@ from cliffscan.common.contract.topics import DESCRIPTION, VELOCITY, VELOCITY_SAF
 from cliffscan.common.runtime.bus import Bus
 from cliffscan.common.runtime.config import BASES
 from cliffscan.common.runtime.raw_samples import RawPublisher, RawSample, RawSamples, key_matcher
-from cliffscan.common.runtime.service import StopSignal
+from cliffscan.common.runtime.stop_signal import StopSignal
 from cliffscan.recording.reading import Recording
 from cliffscan.recording.words import duration, report
 

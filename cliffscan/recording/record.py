@@ -16,7 +16,7 @@ from cliffscan.common.runtime.bus import Bus, encoding_of
 from cliffscan.common.runtime.kept_memory import keep_freed_memory
 from cliffscan.common.runtime.metrics import ServiceMetrics
 from cliffscan.common.runtime.raw_samples import RawSample, key_matcher
-from cliffscan.common.runtime.service import StopSignal
+from cliffscan.common.runtime.stop_signal import StopSignal
 from cliffscan.recording.errors import RecordingError
 from cliffscan.recording.parts import Limits, Parts
 from cliffscan.recording.words import duration, report, size

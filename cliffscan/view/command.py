@@ -6,7 +6,8 @@ import threading
 from collections.abc import Collection
 
 from cliffscan.common.runtime.network import Network
-from cliffscan.common.runtime.service import StopSignal, connect
+from cliffscan.common.runtime.service import connect
+from cliffscan.common.runtime.stop_signal import StopSignal
 from cliffscan.view.access import Access
 from cliffscan.view.robots import Robots
 from cliffscan.view.server import Server

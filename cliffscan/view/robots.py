@@ -6,7 +6,7 @@ from collections.abc import Callable
 from cliffscan.common.contract.message import MessageError
 from cliffscan.common.contract.topics import command
 from cliffscan.common.runtime.bus import Bus
-from cliffscan.common.runtime.service import StopSignal
+from cliffscan.common.runtime.stop_signal import StopSignal
 from cliffscan.view.robot_view import RobotView
 from cliffscan.view.words import notice
 

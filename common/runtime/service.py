@@ -4,7 +4,6 @@ import argparse
 import logging
 import math
 import os
-import signal
 import sys
 import threading
 import time
@@ -13,7 +12,6 @@ from contextlib import contextmanager
 from functools import cache
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
-from types import FrameType
 from typing import Generic, TypeVar
 
 from cliffscan.common.contract.limits import LONGEST_TEXT
@@ -30,6 +28,7 @@ from cliffscan.common.runtime.kept_memory import keep_freed_memory
 from cliffscan.common.runtime.latest_queue import LatestQueue
 from cliffscan.common.runtime.metrics import ServiceMetrics
 from cliffscan.common.runtime.network import BusError, Network, NotConnected
+from cliffscan.common.runtime.stop_signal import StopSignal
 
 C = TypeVar("C", bound=ServiceConfig)
 M = TypeVar("M", bound=Message)
@@ -42,21 +41,6 @@ RETRY = 0.5  # [s] between two attempts to reach a router
 USAGE_ERROR = 2
 
 log = logging.getLogger(__name__)
-
-
-class StopSignal(threading.Event):
-    """Set by SIGTERM and Ctrl-C. While not patient, as in a long compilation, they end the process at once."""
-
-    def __init__(self) -> None:
-        super().__init__()
-        self.patient = True
-        for number in (signal.SIGTERM, signal.SIGINT):
-            signal.signal(number, self._on_signal)
-
-    def _on_signal(self, number: int, frame: FrameType | None) -> None:  # noqa: ARG002
-        self.set()
-        if not self.patient:
-            os._exit(0)  # an exception would get lost in the compiler's callbacks
 
 
 class Service(Generic[C]):
@@ -267,7 +251,7 @@ def reporting(report: Callable[[], None], stop: StopSignal) -> Iterator[None]:
         reporter.join()
 
 
-def connect(network: Network, robot: str, stop: threading.Event, seconds: float = math.inf) -> Bus | None:
+def connect(network: Network, robot: str, stop: StopSignal, seconds: float = math.inf) -> Bus | None:
     """The bus, as soon as a router answers; None where none did in `seconds` [s] or the process was asked to end."""
     told, until = "", time.monotonic() + seconds
     while not stop.is_set() and time.monotonic() < until:

@@ -11,7 +11,7 @@ from typing import Any
 from cliffscan.common.contract.base_messages import Velocity
 from cliffscan.common.contract.topics import VELOCITY, command
 from cliffscan.common.runtime.config import SERVICES
-from cliffscan.common.runtime.service import StopSignal
+from cliffscan.common.runtime.stop_signal import StopSignal
 from cliffscan.simulator.kobuki.client import Remote
 from cliffscan.system import Plan, System
 from evaluation.processes.network import free_endpoint

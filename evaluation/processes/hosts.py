@@ -7,7 +7,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from cliffscan.common.runtime.bus import Bus
-from cliffscan.common.runtime.service import StopSignal
+from cliffscan.common.runtime.stop_signal import StopSignal
 from cliffscan.parts import ROBOT, WORKSTATION, Part
 from cliffscan.secure.folder import KeyFolder
 from cliffscan.supervisor import Child

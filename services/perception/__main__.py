@@ -8,7 +8,8 @@ from collections.abc import Mapping
 from cliffscan.common.runtime import options
 from cliffscan.common.runtime.bus import Bus
 from cliffscan.common.runtime.config import ServiceConfig
-from cliffscan.common.runtime.service import StopSignal, execute, on_bus, reporting
+from cliffscan.common.runtime.service import execute, on_bus, reporting
+from cliffscan.common.runtime.stop_signal import StopSignal
 from cliffscan.services.perception.configs import load
 from cliffscan.services.perception.fleet import Fleet
 

@@ -17,7 +17,8 @@ from cliffscan.common.runtime.alive_file import mark_alive
 from cliffscan.common.runtime.bus import EVERY, Bus
 from cliffscan.common.runtime.metrics import ServiceMetrics
 from cliffscan.common.runtime.pace import Pace
-from cliffscan.common.runtime.service import PATIENCE, RATE, StopSignal, package_version
+from cliffscan.common.runtime.service import PATIENCE, RATE, package_version
+from cliffscan.common.runtime.stop_signal import StopSignal
 from cliffscan.services.negative.scans import compile_kernels
 from cliffscan.services.perception.admission import Admission
 from cliffscan.services.perception.perceive import Settings, perceive

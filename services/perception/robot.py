@@ -15,7 +15,8 @@ from cliffscan.common.contract.messages import DepthImage, LaserScan
 from cliffscan.common.runtime.bus import Bus
 from cliffscan.common.runtime.config import ServiceConfig
 from cliffscan.common.runtime.decoder import Decoder
-from cliffscan.common.runtime.service import Service, StopSignal
+from cliffscan.common.runtime.service import Service
+from cliffscan.common.runtime.stop_signal import StopSignal
 from cliffscan.services.fuse.fuser import ROOM, Fuser
 from cliffscan.services.fuse.pairing import Pair
 from cliffscan.services.negative.publishers import ScanPublishers

@@ -2,10 +2,9 @@
 
 import argparse
 import logging
-import signal
-import threading
 from pathlib import Path
 
+from cliffscan.common.runtime.stop_signal import StopSignal
 from cliffscan.simulator.kobuki.base import Base
 from cliffscan.simulator.kobuki.cable import PathError
 from cliffscan.simulator.kobuki.drive import RampedWheels, WheelModel
@@ -47,19 +46,11 @@ def make_base(arguments: argparse.Namespace) -> Base:
     return Base(firmware, Line(arguments.seed))
 
 
-def stop_signal() -> threading.Event:
-    """Set by SIGTERM and Ctrl-C."""
-    stop = threading.Event()
-    for number in (signal.SIGTERM, signal.SIGINT):
-        signal.signal(number, lambda *_: stop.set())
-    return stop
-
-
 def main() -> None:
     """Run a base until told to end."""
     parser = options()
     arguments = parser.parse_args()
-    stop = stop_signal()
+    stop = StopSignal()
     logging.basicConfig(level=logging.INFO, format="%(asctime)s %(levelname)s base: %(message)s")
     try:
         base = make_base(arguments)

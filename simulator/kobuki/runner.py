@@ -1,12 +1,12 @@
 """A base at work on a port: its firmware, its cable and its control socket, coupled."""
 
 import select
-import threading
 import time
 from collections.abc import Callable
 from pathlib import Path
 from typing import Self
 
+from cliffscan.common.runtime.stop_signal import StopSignal
 from cliffscan.simulator.kobuki import control
 from cliffscan.simulator.kobuki.base import Base
 from cliffscan.simulator.kobuki.cable import Cable, PathError
@@ -99,7 +99,7 @@ class Runner:
             self.server.tell({"time": self.base.firmware.time, **event})
 
 
-def run(runner: Runner, stop: threading.Event) -> None:
+def run(runner: Runner, stop: StopSignal) -> None:
     """Let the base live by the clock until told to stop."""
     last = time.monotonic()
     while not stop.is_set():

@@ -5,7 +5,7 @@ import queue
 from cliffscan.common.contract.messages import LaserScan
 from cliffscan.common.contract.topics import SCAN_FUSED
 from cliffscan.common.runtime.config import SENSING
-from cliffscan.common.runtime.service import StopSignal
+from cliffscan.common.runtime.stop_signal import StopSignal
 from cliffscan.system import Plan
 from evaluation.processes.hosts import running
 from evaluation.processes.watch import Watch

@@ -11,7 +11,7 @@ from rosbags.rosbag1 import Reader, Writer
 from cliffscan.check_data import check_data
 from cliffscan.common.contract.camera import check_camera
 from cliffscan.common.runtime.config import ConfigError
-from cliffscan.common.runtime.service import StopSignal
+from cliffscan.common.runtime.stop_signal import StopSignal
 from cliffscan.services.capture.config import CaptureConfig
 from cliffscan.services.capture.ros import realsense_wire as wire
 from cliffscan.services.capture.sources import realsense_sensor

@@ -9,7 +9,7 @@ from PIL import Image
 
 from cliffscan.check_data import check_data
 from cliffscan.common.contract.camera import FloorPlane
-from cliffscan.common.runtime.service import StopSignal
+from cliffscan.common.runtime.stop_signal import StopSignal
 from cliffscan.services.capture.config import CaptureConfig
 from tests import scenes
 from tests.own_recordings import SECOND, TOPIC, break_chunk, record

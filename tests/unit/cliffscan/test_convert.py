@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from cliffscan.common.runtime.config import ConfigError
-from cliffscan.common.runtime.service import StopSignal
+from cliffscan.common.runtime.stop_signal import StopSignal
 from cliffscan.convert import convert
 from cliffscan.services.capture.config import CaptureConfig
 from cliffscan.services.capture.sources.replay import open_recorded

@@ -9,7 +9,7 @@ from PIL import Image
 from rich.console import Console
 
 from cliffscan.common.runtime.config import ConfigError
-from cliffscan.common.runtime.service import StopSignal
+from cliffscan.common.runtime.stop_signal import StopSignal
 from experiments import recording as experiment
 from experiments.recording import run_recording
 from experiments.run import Run
