@@ -70,3 +70,15 @@ def test_settings_exist(page):
     for name in re.findall(rf"(?<![\w./])((?:{services})\.[a-z_]+)\b(?!\()", code(page)):
         table = any(each.startswith(f"{name}.") for each in known)
         assert name in known or table or name.endswith((".py", ".md")), name
+
+
+def figures(page):
+    """Scan and figures of each row of an accuracy table, without their bold face."""
+    rows = [[cell.strip(" *`") for cell in line.split("|")[1:-1]] for line in page.splitlines() if line.startswith("|")]
+    return [tuple(row[1:6]) for row in rows if len(row) >= 6]
+
+
+def test_the_readme_has_the_accuracy_of_the_results():
+    readme, results = (figures((TOP / page).read_text()) for page in ("README.md", "docs/results.md"))
+    assert ("the paper's, combined", "85.8 %", "14.2 %", "100 %", "22.5 cm") in readme
+    assert set(readme) <= set(results)
