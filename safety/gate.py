@@ -10,6 +10,7 @@ from cliffscan.common.contract.description import CameraDescription
 from cliffscan.safety import rules
 from cliffscan.safety.approach_monitor import ApproachMonitor, Glance
 from cliffscan.safety.contact_recovery import ContactRecovery
+from cliffscan.safety.hull import Disc
 from cliffscan.safety.inputs import NO_COMMAND, REST, Command, Contacts, SafetyLimits
 from cliffscan.safety.local_grid import RollingGrid
 from cliffscan.safety.pose2d import Pose2D
@@ -18,6 +19,7 @@ from cliffscan.safety.scan_claims import Scan, View
 from cliffscan.safety.velocity_limiter import VelocityLimiter, room_to_turn
 from cliffscan.safety.velocity_ramp import VelocityRamp
 
+CARRIED = 3.0  # [s] out of sight after which somebody may have carried the robot
 DOUBTED = 1.0  # [s] for which an odometry that contradicted itself is not driven by
 
 
@@ -26,24 +28,44 @@ class SafetyGate:
 
     def __init__(self, limits: SafetyLimits, pose: Pose2D) -> None:
         self._limits, self._hull = limits, limits.hull()
+        self._to_turn = room_to_turn(self._hull, limits.margin)
         self._recovery = ContactRecovery()
         self._grid = RollingGrid(pose, limits.start_free)
         self._limiter = VelocityLimiter(limits, self._grid)
         self._decided_at = -math.inf
+        self._going: tuple[float, float] | None = None  # as of the limiter, when the base was last heard
         self._approach = ApproachMonitor()
         self.view = View.undescribed()  # what scans may claim to see
         self.stopped = ""  # why the emergency stop holds, or nothing
         self.distrusted = ""  # why the odometry is not believed until clear(), or nothing
         self._doubt, self._doubted_until = "", -math.inf
-        self.restart(pose)
+        self._put_down: Pose2D | None  # where, unless that is not known any more
+        self.put_down(pose)
 
-    def restart(self, pose: Pose2D) -> None:
-        """Nobody knows what happened since: the robot stands on floor, and what was in its way may still be there."""
-        self._grid.begin_again(pose, self._limits.start_free)
+    def put_down(self, pose: Pose2D) -> None:
+        """Somebody put the robot there, and takes care that there is floor within `start_free`."""
+        self.restart(pose)
+        self._put_down = pose
+        self._grid.follow(pose, Disc(self._limits.start_free))
+
+    def restart(self, pose: Pose2D, away: float = math.inf) -> None:
+        """For `away` [s] nobody knew where the robot was; it is taken to be where it was, and may have rolled on.
+
+        It stands on floor, and has room to turn. What was in its way may still be there, and nearer. Of what was free
+        only that is which is free wherever the robot may be, and nothing where it may have turned or been carried.
+        """
+        if self._going is not None and away <= CARRIED:
+            for side, speed in zip((1, -1), self._going, strict=True):
+                self._grid.smear(pose.theta, side * self._way(speed, away))
+        else:
+            self._grid.doubt()
+        self._grid.follow(pose, self._to_turn)
+        self._going = (0.0, 0.0)  # all that is accounted for
         self._limiter.rest()
         self._recovery.clear()
         self._approach.begin()
         self._pose = pose
+        self._put_down = None
         self._contacts: Contacts | None = None
         self._silence = ""  # why the base is silent
         self._tilted, self._carried = False, False
@@ -52,8 +74,13 @@ class SafetyGate:
         self._before, self._decided_at = REST, -math.inf
 
     def describe(self, camera: CameraDescription) -> None:
-        """What the camera can see."""
-        self.view = View.of(camera)
+        """What the camera can see. What was seen by another one is not where it was put."""
+        before, self.view = self.view, View.of(camera)
+        if self._scan_came > -math.inf and not self.view.same(before):
+            self._grid.doubt()
+            if self._put_down and math.dist(self._pose[:2], self._put_down[:2]) < self._limits.start_free:
+                self._grid.follow(self._put_down, Disc(self._limits.start_free))
+            self._grid.follow(self._pose, self._to_turn)
 
     def lose_base(self, why: str = "") -> None:
         """The base has fallen silent."""
@@ -103,18 +130,26 @@ class SafetyGate:
         if contacts.stop_button:
             self.stop("the stop button")
 
-    def decide(self, command: Command, now: float, refusal: str = "") -> Decision:
+    def decide(self, command: Command, now: float, refusal: str = "", late: float = 0.0) -> Decision:
         """What goes to the wheels at `now` of the newest command; refusal: why the driver refuses the base.
+
+        late: by how much [s] the base's report is older than it should be.
 
         To be asked at every report of the base and at every command. A command that is no number asks for nothing.
         """
         command = command if all(map(math.isfinite, command.twist)) else NO_COMMAND
-        decision = rules.decide(self._situation(command, now, refusal))
+        decision = rules.decide(self._situation(command, now, refusal, late))
         self._before, self._decided_at = decision.allowed, now
         self._limiter.send(decision.allowed, now)
+        if self._contacts is not None:
+            self._going = self._limiter.going(now)
         return decision
 
-    def _situation(self, command: Command, now: float, refusal: str) -> Situation:
+    def _way(self, speed: float, seconds: float) -> float:
+        """How far [m] the robot gets of a speed [m/s] until it stands, of which nothing is heard for so long [s]."""
+        return speed * (seconds + self._limits.reaction) + speed**2 / (2.0 * self._limits.deceleration)
+
+    def _situation(self, command: Command, now: float, refusal: str, late: float) -> Situation:
         """All that a decision follows from, once the latest contacts are taken in."""
         reaction = None
         if self._contacts is not None:
@@ -132,6 +167,7 @@ class SafetyGate:
             distrust=self.distrusted,
             doubt=self._doubt if now < self._doubted_until else None,
             reaction=reaction,
+            late=late,
             scan_age=max(now - min(self._scan_taken, self._scan_came), 0.0),
             ramp=VelocityRamp(self._limits, self._before, now - self._decided_at),
             limiter=self._limiter,
@@ -145,7 +181,8 @@ class SafetyGate:
         if self._tilted and not any(contacts.wheel_drops):
             self._blind_until = now
             if self._carried:
+                self._put_down = None
                 self._grid.forget()
-                self._grid.follow(self._pose, room_to_turn(self._hull, self._limits.margin))
+                self._grid.follow(self._pose, self._to_turn)
             self._carried = False
         self._tilted = any(contacts.wheel_drops)

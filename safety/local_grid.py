@@ -55,10 +55,27 @@ class RollingGrid:
         self._corner = (0, 0)  # the number, among all cells of the world, of the square's first
         self.follow(pose, Disc(start_free))
 
-    def begin_again(self, pose: Pose2D, start_free: float) -> None:
+    def doubt(self) -> None:
         """Nobody knows what happened since: what was free may not be, what was in the way may still be."""
         self._seen[(self._seen <= GUESSED) & ~self._touched] = UNKNOWN
-        self.follow(pose, Disc(start_free))
+
+    def smear(self, heading: float, way: float) -> None:
+        """The robot went on by up to `way` [m] along its heading [rad], or back, and nobody knows how far.
+
+        So what was that much farther on may be here: of all that may be in a cell now, the worst is.
+        """
+        seen, touched = self._seen.copy(), self._touched.copy()
+        for step in range(1, math.ceil(abs(way) / CELL) + 1):
+            along = math.copysign(step, way)
+            across, down = along * math.cos(heading), along * math.sin(heading)
+            for row in {math.floor(across), math.ceil(across)}:
+                for column in {math.floor(down), math.ceil(down)}:
+                    stays, comes = (_kept(row), _kept(column)), (_kept(-row), _kept(-column))
+                    there = np.full_like(seen, UNKNOWN)
+                    there[comes] = self._seen[stays]
+                    np.maximum(seen, there, out=seen)
+                    touched[comes] |= self._touched[stays]
+        self._seen, self._touched = seen, touched
 
     def forget(self) -> None:
         """The robot was carried: nothing that was seen or felt says anything of where it stands now."""

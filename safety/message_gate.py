@@ -48,6 +48,8 @@ class MessageGate:
         self._decided_at = -math.inf
         self.decision = Decision("no_base", REST, REST)
         self.stop = self._gate.stop
+        self._placed = False  # whether the base has reported since somebody put it down
+        self._reported_at = -math.inf  # [s]
         self.begin(-math.inf)
 
     @property
@@ -66,12 +68,16 @@ class MessageGate:
 
     def report(self, report: BaseReport, stamp: int, now: float) -> None:
         """The base reported something new, at `stamp` [ns]. To be followed by decide()."""
+        away, self._reported_at = now - self._reported_at, now
         self.alive_at, self._reported = now, True
         if report.new_baseline:
             self._warn("baseline", report.new_baseline)
             self.catching_up = True
         if self.catching_up:  # what is read late is of where the robot was; it begins anew where it is
-            self._gate.restart(report.pose)
+            if self._placed:
+                self._gate.restart(report.pose, away)
+            else:
+                self._gate.put_down(report.pose)
             self._arbiter.forget()
             self._monitor.begin()
         if report.contradiction:
@@ -88,6 +94,7 @@ class MessageGate:
     def caught_up(self) -> None:
         """All that the base sent has been read."""
         self.catching_up = False
+        self._placed |= self._reported
 
     def lose_base(self, why: str = "") -> None:
         """The base has fallen silent."""
@@ -146,7 +153,8 @@ class MessageGate:
     def decide(self, now: float, refusal: str = "", driven: bool = True) -> Decision:
         """What goes to the wheels; refusal: why the driver refuses the base, or nothing; driven: whether it obeys."""
         self._decided_at = now
-        self.decision = self._gate.decide(self._arbiter.newest, now, refusal)
+        late = min(max(now - self.alive_at - TICK, 0.0), SILENT)
+        self.decision = self._gate.decide(self._arbiter.newest, now, refusal, late)
         if driven:
             self._monitor.send(*self.decision.allowed, now)
         return self.decision

@@ -48,6 +48,10 @@ class PendingMotion:
         braked = self._speeds[side] - self._deceleration * max(now - self._at, 0.0) if self._speeds[side] else 0.0
         return max(braked, self._fastest[side], 0.0)
 
+    def turns(self, now: float) -> bool:
+        """Whether the base may be turning, on the spot or on an arc."""
+        return any(abs(sent.angular) > SLOW_TURN for sent in self._sent) or bool(self.spins(now))
+
     def spins(self, now: float) -> list[float]:
         """The fastest turns on the spot [rad/s], to the left and to the right, that the base may still be in."""
         return [each for way in (1, -1) if abs(each := way * self._spin(way, now)) > SLOW_TURN]

@@ -45,6 +45,7 @@ class Situation:
     distrust: str  # of the odometry, until somebody clears it
     doubt: str | None  # of the odometry, for a moment
     reaction: Reaction | None
+    late: float  # [s] by which the pose is older than it should be
     scan_age: float  # [s], infinite before the first
     ramp: VelocityRamp
     limiter: VelocityLimiter
@@ -72,11 +73,11 @@ class Situation:
 
     def limit(self, side: int, wanted: Twist, age: float | None) -> SpeedLimit:
         """What is left of a velocity by what is ahead (side 1) or behind (-1), by a scan `age` [s] old or by none."""
-        return self.limiter.limit(side, wanted, self.pose, age, self.now)
+        return self.limiter.limit(side, wanted, self.pose, age, self.late, self.now)
 
     def limit_turn(self, wanted: Twist, age: float | None) -> SpeedLimit:
         """What is left of a turn on the spot by what its corners would sweep."""
-        return self.limiter.limit_turn(wanted, self.pose, age, self.now)
+        return self.limiter.limit_turn(wanted, self.pose, age, self.late, self.now)
 
     @property
     def turn(self) -> Twist:

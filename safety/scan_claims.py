@@ -44,6 +44,11 @@ class View(NamedTuple):
         place = Pose2D(camera.x, camera.y, camera.yaw)
         return cls(place, VisibleFloor.of(camera), camera.farthest, *camera.field_of_view)
 
+    def same(self, other: "View") -> bool:
+        """Whether another camera sees the same floor."""
+        ours, theirs = ((*each[:1], each.floor.nearest, *each[2:]) for each in (self, other))
+        return ours == theirs and np.array_equal(self.floor.borders, other.floor.borders)
+
     def within(self, free: Floats, angles: Floats) -> Floats:
         """How far [m] beams may show floor, of what they claim: (beams,) each, and angles [rad]."""
         seen = (angles >= self.right - SLACK) & (angles <= self.left + SLACK)

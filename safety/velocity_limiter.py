@@ -72,12 +72,16 @@ class VelocityLimiter:
         """Whether the base goes on from before by no more than a turn on the spot may."""
         return max(self._pending.speed(1, now), self._pending.speed(-1, now)) <= SLOW
 
-    def limit(self, side: int, wanted: Twist, pose: Pose2D, age: float | None, now: float) -> SpeedLimit:
+    def going(self, now: float) -> tuple[float, float] | None:
+        """How fast [m/s] the base may go forward and backward; None while it may be turning."""
+        return None if self._pending.turns(now) else (self._pending.speed(1, now), self._pending.speed(-1, now))
+
+    def limit(self, side: int, wanted: Twist, pose: Pose2D, age: float | None, late: float, now: float) -> SpeedLimit:
         """What is left, by what is ahead (side 1) or behind (-1), of a velocity to be sent.
 
-        The robot is at `pose`. The last scan is `age` [s] old, or none is needed. While the base still goes on from
-        before, faster than it could brake on the new arc, it is to brake first and to turn then. A turn on the spot
-        is limit_turn's.
+        The robot was at `pose`, `late` [s] before it is decided. The last scan is `age` [s] old, or none is needed.
+        While the base still goes on from before, faster than it could brake on the new arc, it is to brake first and to
+        turn then. A turn on the spot is limit_turn's.
         """
         linear, angular = wanted
         asks, drift = max(side * linear, 0.0), self._pending.speed(side, now)
@@ -85,7 +89,7 @@ class VelocityLimiter:
             return NO_LIMIT
         spins = [] if self.hull.turns_free else self._pending.spins(now)
         curvatures = self._pending.curvatures(side, linear, angular, now, spins)
-        latency = self._limits.reaction + (age or 0.0)
+        latency = self._limits.reaction + (age or 0.0) + late
         # what lies behind is not seen, and backing away must stay possible: for a disc only
         # what is known to be there counts; any other hull stays on floor that was seen, or it could not turn any more
         unknown_too = age is not None and (side > 0 or not self.hull.turns_free)
@@ -97,7 +101,7 @@ class VelocityLimiter:
             )
         return NO_LIMIT
 
-    def limit_turn(self, wanted: Twist, pose: Pose2D, age: float | None, now: float) -> SpeedLimit:
+    def limit_turn(self, wanted: Twist, pose: Pose2D, age: float | None, late: float, now: float) -> SpeedLimit:
         """What is left of a velocity that turns the robot on the spot: its corners sweep what lies beside it.
 
         A robot that drives brakes first. What was never seen counts wherever a scan is needed.
@@ -109,7 +113,8 @@ class VelocityLimiter:
         points = self._grid.not_free(pose, self._outer, age is not None)
         direction = 1 if wanted.angular > 0.0 else -1
         contact = self.hull.on_the_spot(points, direction, self._kept, self._approach(TURN, points))
-        fastest = safe_speed(contact.distance, self._limits.angular_deceleration, self._limits.reaction + (age or 0.0))
+        latency = self._limits.reaction + (age or 0.0) + late
+        fastest = safe_speed(contact.distance, self._limits.angular_deceleration, latency)
         if abs(wanted.angular) <= fastest:
             return NO_LIMIT
         swept = contact.distance * self.hull.outer

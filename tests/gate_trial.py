@@ -79,8 +79,8 @@ class Trial:
             self._roll()
 
     def restart(self):
-        """The odometry was interrupted while the robot stood on good floor."""
-        self.safety.restart(self.pose)
+        """The odometry was interrupted for so short a time that the robot is still where it was."""
+        self.safety.restart(self.pose, 0.6)
         self._know_nothing()
 
     def carry(self, world=None, still=False):

@@ -72,6 +72,7 @@ class GateController:
         """What the base feels. All of it counts with the next odometry, and a state of another time not at all."""
         if odd := _off("base/state", message.stamp, stamp):
             self._warn("state_refused", odd)
+            self._felt_at = min(self._felt_at, now)  # the base feels, even where what it felt is not known
             return
         self._felt_at = now
         before = self._touched

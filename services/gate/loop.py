@@ -48,8 +48,8 @@ class GateLoop:
         service.receive(topics.VELOCITY, self._on_command)
         self._receive(topics.ODOMETRY, controller.odometry)
         service.receive(topics.BASE_STATE, self._on_state)
-        self._receive(topics.SCAN_FUSED, controller.scan)
         service.receive_latched(topics.DESCRIPTION, self._on_description)
+        self._receive(topics.SCAN_FUSED, controller.scan)
         requests = {"stop": self._stop, "clear_safety": self._clear}
         for name, reply in requests.items():
             service.bus.answer(topics.command(name), CommandHandler(self._jobs.put_urgent, reply))

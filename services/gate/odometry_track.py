@@ -20,6 +20,10 @@ LEAP = 2.0  # times as far as the base may get is no motion
 HERE = Pose2D(0.0, 0.0, 0.0)
 
 
+class Overtaken(Contradiction):
+    """A message is older than the last one."""
+
+
 class Step(NamedTuple):
     """Where the robot is after a message, and how far it has gone; see safety/inputs.BaseReport."""
 
@@ -48,6 +52,9 @@ class OdometryTrack:
         before, self._before = self._before, (message, now)
         try:
             motion = self._increment(before, message, now)
+        except Overtaken as late:
+            self._before = before
+            return Step(self._pose, None, str(late), contradiction=True)
         except Discontinuity as gap:
             self._origin = self._pose.then(HERE.seen_from(raw))
             self._motion = Motion(0.0, 0.0, 0.0)
@@ -68,10 +75,10 @@ class OdometryTrack:
         silence, seconds = now - came, (message.stamp - last.stamp) * 1e-9
         if seconds == 0.0:
             return None
-        if seconds < 0.0:
-            raise Contradiction(f"its stamp went back by {-seconds:.3f} s")
         if silence > LONGEST_SILENCE or seconds > LONGEST_INCREMENT:
             raise Discontinuity(f"{max(silence, seconds):.2f} s between two messages of odometry")
+        if seconds < 0.0:
+            raise Overtaken(f"its stamp went back by {-seconds:.3f} s")
         step = Pose2D(*message.pose).seen_from(Pose2D(*last.pose))
         way, turn = math.hypot(step.x, step.y), math.remainder(step.theta, math.tau)
         room = seconds + SLACK

@@ -19,7 +19,6 @@ from cliffscan.safety.safety_reports import SafetyReports
 from cliffscan.services.kobuki.config import KobukiConfig
 from cliffscan.services.kobuki.controller import BaseController
 from cliffscan.services.kobuki.port import Port, PortLost
-from cliffscan.services.kobuki.protocol import commands
 from cliffscan.services.kobuki.publishers import BasePublishers
 
 BEAT = 0.05  # [s] between two heartbeats for the guard
@@ -47,8 +46,8 @@ class IoLoop:
         """Receive commands, scans, the camera's description and requests from now on."""
         bus = self._service.bus
         self._service.receive(topics.VELOCITY, self._on_command)
-        self._service.receive(topics.SCAN_FUSED, self._on_scan)
         self._service.receive_latched(topics.DESCRIPTION, self._on_description)
+        self._service.receive(topics.SCAN_FUSED, self._on_scan)
         bus.answer(topics.command("stop"), CommandHandler(self._jobs.put_urgent, self._stop))
         requests = self._controller.requests()
         bus.answer(topics.command("clear_safety"), CommandHandler(self._jobs.put_urgent, requests["clear_safety"]))
@@ -74,10 +73,6 @@ class IoLoop:
     def close(self) -> None:
         """Stop the wheels and let go of the port."""
         if self._port:
-            try:
-                self._port.stop(commands.base_control(0.0, 0.0))
-            except PortLost as lost:
-                self._service.metrics.warn_limited("port_lost", str(lost))
             self._port.close()
             self._port = None
 

@@ -7,6 +7,7 @@ import select
 import subprocess
 import sys
 import termios
+from contextlib import suppress
 from pathlib import Path
 
 import serial
@@ -110,7 +111,9 @@ class Port:
             raise PortLost(f"{self._path}: the guard of the port has died") from error
 
     def close(self) -> None:
-        """Have the guard send the last stops, and let go of the port."""
+        """Stop the base, have the guard, if it lives, send the last stops, and let go of the port."""
+        with suppress(PortLost):
+            self.stop(base_control(0.0, 0.0))
         os.close(self._heart)
         try:
             self._guard.wait(GUARD_PATIENCE)

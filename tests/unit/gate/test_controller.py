@@ -28,10 +28,11 @@ class Base:
         )  # fmt: skip
         self.gate.odometry(message, self.stamp, self.now)
 
-    def state(self, cliffs=FREE):
+    def state(self, cliffs=FREE, late=0.0):
         message = BaseState(
-            stamp=self.stamp, bumpers=FREE, cliffs=cliffs, cliff_counts=(0, 0, 0), wheel_drops=(False, False),
-            overcurrents=(False, False), currents=(0.0, 0.0), buttons=FREE, battery_voltage=16.0, battery_percent=90.0,
+            stamp=self.stamp - round(late * 1e9), bumpers=FREE, cliffs=cliffs, cliff_counts=(0, 0, 0),
+            wheel_drops=(False, False), overcurrents=(False, False), currents=(0.0, 0.0), buttons=FREE,
+            battery_voltage=16.0, battery_percent=90.0,
             charger="discharging", dock_ir=(0, 0, 0), digital_inputs=(False,) * 4, analog_inputs=(0.0,) * 4,
         )  # fmt: skip
         self.gate.state(message, self.stamp, self.now)
@@ -70,3 +71,12 @@ def test_a_base_that_began_anew_before_its_contacts_came_is_begun_anew(base):
     base.odometry(x=7.0)
     assert len(base.baselines()) == known + 1
     assert math.isclose(base.gate.alive_at, base.now)
+
+
+def test_a_base_all_of_whose_states_are_refused_is_not_taken_for_one_that_feels_nothing():
+    base = Base()
+    for _ in range(round((STATE_SILENT + 0.2) / PERIOD)):
+        base.odometry()
+        base.state(cliffs=(True, True, True), late=0.25)
+        base.gate.tick(base.now)
+    assert base.gate.decision.rule == "no_base"

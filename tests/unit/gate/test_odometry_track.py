@@ -75,6 +75,23 @@ def test_what_no_base_can_report_is_a_contradiction(track, stamps, ours, way, wh
     assert why in step.new_baseline
 
 
+def test_a_message_that_was_overtaken_moves_nothing(track):
+    drive(track, 50)
+    late = track.update(message(0.9, 5.4, 3.2, 1.0), 101.01)
+    assert late.contradiction
+    other = OdometryTrack(GateConfig().limits())
+    other.update(message(0.0, 5.0, 3.0, 1.0), 100.0)
+    drive(other, 50)
+    assert drive(track, 1, begin=50).pose == drive(other, 1, begin=50).pose
+
+
+def test_a_clock_that_was_set_back_for_good_begins_anew(track):
+    drive(track, 50)
+    steps = [track.update(message(tick * PERIOD - 3600.0, 5.0, 3.0, 1.0), 101.0 + tick * PERIOD) for tick in range(60)]
+    assert steps[0].contradiction
+    assert steps[-1].motion
+
+
 def test_a_gap_is_a_new_baseline_and_no_contradiction(track):
     drive(track, 3)
     step = track.update(message(2.0, 5.1, 3.1, 1.0), 102.0)

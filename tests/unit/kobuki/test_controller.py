@@ -214,6 +214,7 @@ def test_a_scan_of_the_future_holds_no_honest_one_up(robot):
 
 def test_a_real_base_is_not_driven_by_a_simulated_camera():
     robot = Robot(simulated=False)
+    robot.controller.describe(CAMERA.model_copy(update={"simulated": False}))
     robot.tick(seconds=1.0)
     assert robot.tick(0.3, 1.0).rule == "free"
     robot.controller.describe(CAMERA)

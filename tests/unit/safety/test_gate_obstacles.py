@@ -5,9 +5,10 @@ import math
 import numpy as np
 import pytest
 
+from cliffscan.common.contract.description import CameraDescription
 from cliffscan.safety.inputs import REST
 from cliffscan.safety.pose2d import Pose2D
-from tests.gate_drive import ANGLES, Drive
+from tests.gate_drive import ANGLES, LIMITS, TICK, Drive
 
 
 @pytest.mark.parametrize("far", [0.1, 0.3, 0.6])
@@ -75,6 +76,59 @@ def test_after_a_gap_an_edge_is_still_there():
     drive.tick(0.0)
     drive.safety.restart(drive.pose)
     assert drive.go(0.3).x < 0.8 - 0.087 - 0.18
+
+
+@pytest.mark.parametrize("away", [0.6, 1.2, 2.9, math.inf])
+@pytest.mark.parametrize("speed", [0.3, 0.5, 0.7])
+def test_an_edge_for_which_it_braked_is_not_driven_over_after_a_gap_in_which_it_rolled_on(speed, away):
+    edge, drive, rolled = 3.0, Drive(), 0.0
+
+    def look():
+        """What is nearer than the camera sees is reported where it begins to."""
+        distance = edge - (drive.pose.x + rolled - 0.087)
+        drive.ranges = np.where(distance < 4.0, np.maximum(distance / np.cos(ANGLES), 0.75), math.inf)
+
+    fastest = 0.0
+    for _ in range(1000):
+        look()
+        allowed = drive.tick(speed).allowed.linear
+        if allowed < fastest - 1e-3:
+            break
+        fastest = allowed
+        drive.pose = drive.pose.then(Pose2D(allowed * TICK, 0.0, 0.0))
+    rolled = edge - 0.18 - 0.03 - drive.pose.x  # it comes to rest just before
+    assert rolled < fastest * (LIMITS.reaction + 0.6) + fastest**2 / (2.0 * LIMITS.deceleration)
+    drive.now += min(away, 60.0)
+    drive.safety.lose_base()
+    drive.safety.restart(drive.pose, away)
+    for _ in range(600):
+        look()
+        drive.pose = drive.pose.then(Pose2D(drive.tick(0.3).allowed.linear * TICK, 0.0, 0.0))
+    assert drive.pose.x + rolled < edge - 0.18
+
+
+def test_after_a_short_gap_a_robot_that_stood_goes_on():
+    drive = Drive()
+    drive.steady(0.0)
+    drive.safety.restart(drive.pose, 0.6)
+    assert drive.go(0.3).x > 0.5
+
+
+def test_the_older_the_pose_the_slower_it_goes_on():
+    drive = Drive(ranges=0.8)
+    drive.steady(0.7)
+    speeds = [drive.safety.decide(drive.command, drive.now, late=late).allowed.linear for late in (0.0, 0.1, 0.2)]
+    assert speeds[0] > speeds[1] > speeds[2] > 0.0
+
+
+def test_what_another_camera_saw_is_not_free():
+    drive = Drive()
+    drive.steady(0.0)
+    aside = CameraDescription(
+        frame="", simulated=True, nearest_floor=0.72, farthest=4.0, field_of_view=(-0.5, 0.5), y=0.1, yaw=math.pi / 2
+    )
+    drive.safety.describe(aside)
+    assert drive.go(0.3).x < LIMITS.start_free
 
 
 def test_at_speed_it_brakes_before_it_swerves_towards_something():

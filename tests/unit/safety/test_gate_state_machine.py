@@ -122,7 +122,6 @@ class Gate(RuleBasedStateMachine):
     def hang(self, seconds):
         self.trial.hang(seconds)
 
-    @precondition(lambda self: not self.trial.wheels.speed and self.trial.world.depth_in_void(self.trial.pose) < -0.35)
     @rule()
     def restart(self):
         self.trial.restart()

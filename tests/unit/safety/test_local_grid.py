@@ -1,5 +1,6 @@
 """What is remembered of the floor, and what makes it forget."""
 
+import copy
 import math
 
 import numpy as np
@@ -8,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from cliffscan.safety.hull import Disc
-from cliffscan.safety.local_grid import CELL, HALF_CELL, LOOK, MEMORY, RollingGrid
+from cliffscan.safety.local_grid import CELL, FREE, HALF_CELL, LOOK, MEMORY, RollingGrid
 from cliffscan.safety.pose2d import Pose2D
 from cliffscan.safety.visible_floor import EVERYWHERE, VisibleFloor
 from tests.gate_drive import taken_at_its_word
@@ -215,10 +216,35 @@ def test_a_touch_is_left_behind():
 def test_to_begin_again_keeps_what_is_in_the_way():
     grid = RollingGrid(HERE, 0.5)
     see(grid, np.where(np.abs(ANGLES) < 0.1, 1.0, np.inf))
-    grid.begin_again(HERE, 0.3)
+    grid.doubt()
+    grid.follow(HERE, Disc(0.3))
     assert occupied(grid)[0] == pytest.approx(1.0, abs=CELL)
     x, y = grid.not_free(HERE, LOOK, unknown_too=True)
     assert 0.3 <= np.hypot(x, y).min() < 0.3 + 3 * CELL
+
+
+@pytest.mark.parametrize(("heading", "way"), [(0.0, 0.3), (0.0, -0.3), (0.5, 0.3), (math.pi / 2, 0.3)])
+def test_what_may_be_somewhere_along_the_way_is_there(heading, way):
+    """As if each cell of the grid were looked at from all places where the robot may be."""
+    grid = RollingGrid(HERE, 0.5)
+    see(grid, np.where(np.abs(ANGLES) < 0.1, 1.0, np.inf))
+    grid.touch(np.array([[-0.4], [0.2]]))
+    kept = copy.deepcopy(grid)
+    grid.smear(heading, way)
+    middles = CELL * (np.arange(-40, 40) + 0.5)
+    points = np.stack(np.meshgrid(middles, middles)).reshape(2, -1)
+    along = np.array([math.cos(heading), math.sin(heading)])[:, None]
+    shown = np.array([kind(grid, point) for point in points.T])
+    for share in (0.0, 0.3, 0.7, 1.0):
+        true = np.array([kind(kept, point) for point in (points + share * way * along).T])
+        assert (shown >= true).all()
+    assert (shown == FREE).sum() > 100
+
+
+def kind(grid, point):
+    """FREE to TOUCHED of the cell at a point (2,) [m]."""
+    window = grid.around(Pose2D(*point, 0.0), 0.0)
+    return window.cells[0, 0]
 
 
 def test_a_robot_that_was_carried_knows_nothing():

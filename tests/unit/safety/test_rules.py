@@ -195,7 +195,7 @@ def test_the_emergency_stop_holds_until_it_is_cleared(how):
     else:
         drive.safety.stop("asked to")
     assert drive.steady(0.3)[:2] == ("stopped", REST)
-    drive.safety.restart(drive.pose)
+    drive.safety.restart(drive.pose, 0.6)
     assert drive.steady(0.3).rule == "stopped"
     drive.safety.clear()
     assert drive.steady(0.3).rule == "free"
