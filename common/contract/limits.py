@@ -28,6 +28,7 @@ DEEPEST = 65.535  # [m] that 16 bits of millimetres hold
 LEAST_NOISE, MOST_NOISE = 1e-5, 0.1  # [1/m] of inverse depth
 WIDEST_BASELINE = 1.0  # [m] between a sensor's two eyes
 LOWEST_CAMERA, HIGHEST_CAMERA = 0.001, 20.0  # [m] above the floor
+FARTHEST_PLACE = 5.0  # [m] of a camera on the base, to either side
 FINEST_INCREMENT = 1e-6  # [rad] between two beams
 LONGEST_NAME = 256  # characters
 LONGEST_TEXT = 1000  # characters

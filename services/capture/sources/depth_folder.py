@@ -20,7 +20,7 @@ from cliffscan.common.contract.camera import (
     Region,
     check_camera,
 )
-from cliffscan.common.contract.description import Place
+from cliffscan.common.contract.description import Place, check_place
 from cliffscan.common.contract.message import Stamp, explain
 from cliffscan.common.runtime.config import ConfigError
 from cliffscan.services.capture.sources.depth_png import decode_depth
@@ -161,11 +161,13 @@ def usual_step(stamps: Sequence[int]) -> float | None:
 
 
 def read_camera(folder: Path) -> CameraFile:
-    """The folder's `camera.json`. Raises ConfigError, also where no frame can have such a camera."""
+    """The folder's `camera.json`. Raises ConfigError, also where no frame can have such a camera or place."""
     path = folder / CAMERA_FILE
     try:
         file = CameraFile.model_validate_json(path.read_bytes())
         check_camera(file.camera(file.intrinsics, file.floor or LEVEL))
+        if place := file.standing():
+            check_place(place)
         return file
     except OSError as error:
         raise ConfigError(f"{path}: {error.strerror}") from error

@@ -214,6 +214,9 @@ def test_a_frame_without_a_floor_is_bad(folder):
         ({"floor": [0, 0, 0, 0.3]}, "floor: the normal has length"),
         ({"intrinsics": [0, 4, 1, 1]}, "intrinsics: fx"),
         ({"range": [4.5, 0.5], "floor": GONE}, "range"),
+        ({"place": [5.1, 0, 0]}, "place: x of 5.1 m is impossible, expected 5 m to either side at most"),
+        ({"place": [0, -1e9, 0]}, r"place: y of -1e\+09 m"),
+        ({"place": [0, 0, 90]}, r"place: yaw of 90 rad is impossible, expected one turn at most; is it in degrees\?"),
         ({"range": [500, 4500]}, r"range: \[500.0, 4500.0\] m is impossible; is it in millimetres\?"),
     ],
 )

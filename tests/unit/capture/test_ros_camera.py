@@ -117,6 +117,9 @@ def test_a_transform_that_cannot_be_is_told(make):
     camera.transforms.add([FLOOR._replace(translation=(0.0, 0.0, -0.1))])
     with pytest.raises(BadFrame, match=r"camera height of -0\.1 m is impossible"):
         camera.frame(picture(6 * SECOND))
+    camera.transforms.add([FLOOR._replace(translation=(0.0, 1e9, 0.3))])
+    with pytest.raises(BadFrame, match=r"place: y of 1e\+09 m is impossible.*: correct /tf_static"):
+        camera.frame(picture(7 * SECOND))
 
 
 def test_an_image_without_a_stamp_is_refused(make):
