@@ -21,6 +21,7 @@ from cliffscan.common.contract.camera import (
     check_camera,
 )
 from cliffscan.common.contract.description import Place, check_place
+from cliffscan.common.contract.limits import LONGEST_PERIOD
 from cliffscan.common.contract.message import Stamp, explain
 from cliffscan.common.runtime.config import ConfigError
 from cliffscan.services.capture.sources.depth_png import decode_depth
@@ -30,7 +31,6 @@ from cliffscan.services.capture.sources.recorded import Origins, RecordedImage
 Four = tuple[float, float, float, float]
 LEVEL = (0.0, -1.0, 0.0, 0.3)  # a floor below any camera
 CAMERA_FILE = "camera.json"
-LONGEST_PERIOD = 1e4  # [s] that a message can tell
 
 
 class FrameOverride(BaseModel):

@@ -7,6 +7,7 @@ import pytest
 
 from cliffscan.common.contract.camera import FloorPlane, Intrinsics
 from cliffscan.common.contract.description import TURTLEBOT_2
+from cliffscan.common.contract.limits import LONGEST_PERIOD
 from cliffscan.services.capture.config import CaptureConfig
 from cliffscan.services.capture.ros.calibration import Calibration, info_topic
 from cliffscan.services.capture.ros.camera import RosCamera
@@ -67,6 +68,13 @@ def test_a_period_is_from_one_stamp_to_the_next(make):
     camera = make()
     periods = [camera.frame(picture(stamp)).period for stamp in (SECOND, SECOND + SECOND // 4, 2 * SECOND)]
     assert periods == [None, 0.25, 0.75]
+
+
+def test_a_period_is_no_longer_than_a_message_can_tell(make):
+    """A clock that is set by an hour or by years, as at the first contact with a time server."""
+    camera = make()
+    camera.frame(picture(5 * SECOND))
+    assert camera.frame(picture(1_700_000_000 * SECOND)).period == LONGEST_PERIOD
 
 
 def test_a_frame_that_comes_again_or_late_is_refused_and_a_clock_set_back_is_not(make):
