@@ -16,11 +16,11 @@ ANSWER_WITHIN = 1.0  # [s]
 
 
 def twist(reader: Reader, source: str, priority: int) -> Velocity:
-    """The velocity of a geometry_msgs/Twist, which has no stamp: it is taken for one of now.
+    """The velocity of a geometry_msgs/Twist. It has no stamp: it is of when it was sent, or else of now.
 
-    Raises CdrError or MessageError, as all that read do.
+    One that waited in an outage is as old as it is. Raises CdrError or MessageError, as all that read do.
     """
-    return _velocity(reader, time.time_ns(), source, priority)
+    return _velocity(reader, reader.sent or time.time_ns(), source, priority)
 
 
 def twist_stamped(reader: Reader, source: str, priority: int) -> Velocity:

@@ -38,7 +38,12 @@ def stamped(stamp, frame):
     return written(kind(name)(header, twist()), name)
 
 
-def test_a_twist_is_of_now():
+def test_a_twist_is_of_when_it_was_sent():
+    reader = Reader(messages.twist(0.2, -0.5), sent=123_456_789_012)
+    assert commands.twist(reader, "ros2", 7).stamp == 123_456_789_012
+
+
+def test_a_twist_that_was_sent_at_an_unknown_time_is_of_now():
     before = time.time_ns()
     velocity = commands.twist(written(twist(), "geometry_msgs/msg/Twist"), "ros2", 7)
     assert before <= velocity.stamp <= time.time_ns()
