@@ -140,18 +140,29 @@ def images_of(folder: Path) -> list[Path]:
 
 
 def recorded_stamps(folder: Path, file: CameraFile, images: Sequence[Path]) -> list[int]:
-    """The recorded stamp [ns] of each image; none where no image has one. Raises ConfigError where only some have.
+    """The recorded stamp [ns] of each image; none where no image has one.
 
-    Recorded and present times in one stream would send its consumers back and forth by years.
+    Raises ConfigError where only some have: recorded and present times in one stream would send its consumers back and
+    forth by years. And where two have the same: a consumer could not tell the two frames apart.
     """
-    of_all = {image.stem: file.frames.get(image.stem, FrameOverride()).stamp for image in images}
-    bare = [name for name, stamp in of_all.items() if stamp is None]
+    of_all = [(image.name, file.frames.get(image.stem, FrameOverride()).stamp) for image in images]
+    bare = [name for name, stamp in of_all if stamp is None]
     if bare and len(bare) < len(of_all):
         raise ConfigError(
-            f"{folder / 'camera.json'}: {len(bare)} of {len(of_all)} frames have no stamp, {bare[0]} first:"
+            f"{folder / CAMERA_FILE}: {len(bare)} of {len(of_all)} frames have no stamp, {bare[0]} first:"
             " give each frame one, or none"
         )
-    return [stamp for stamp in of_all.values() if stamp is not None]
+    named: dict[int, str] = {}
+    for name, stamp in of_all:
+        if stamp is None:
+            continue
+        if stamp in named:
+            raise ConfigError(
+                f"{folder / CAMERA_FILE}: {named[stamp]} and {name} have the same stamp, {stamp}:"
+                " give each frame its own, or none any"
+            )
+        named[stamp] = name
+    return list(named)
 
 
 def usual_step(stamps: Sequence[int]) -> float | None:

@@ -131,8 +131,24 @@ def test_a_frames_own_values_override_the_folders(tmp_path, clock):
 
 def test_some_stamps_are_refused_for_recorded_and_present_times_do_not_mix(tmp_path):
     folder = depth_folder(tmp_path, frames={"000": {"stamp": 5}, "002": {"stamp": 6}})
-    reason = r"camera\.json: 1 of 3 frames have no stamp, 001 first: give each frame one, or none"
+    reason = r"camera\.json: 1 of 3 frames have no stamp, 001\.png first: give each frame one, or none"
     with pytest.raises(ConfigError, match=reason):
+        played(folder, 30, loop=False)
+
+
+def test_two_frames_of_one_stamp_are_refused_with_the_remedy(tmp_path):
+    frames = {name: {"stamp": stamp} for name, stamp in (("000", 5), ("001", 6), ("002", 5))}
+    folder = depth_folder(tmp_path, frames=frames)
+    reason = r"camera\.json: 000\.png and 002\.png have the same stamp, 5: give each frame its own, or none any"
+    with pytest.raises(ConfigError, match=reason):
+        played(folder, 30, loop=False)
+
+
+def test_two_images_of_one_name_have_one_stamp_and_are_refused(tmp_path):
+    frames = {f"{number:03}": {"stamp": number} for number in range(3)}
+    folder = depth_folder(tmp_path, frames=frames)
+    build.write_png(folder / "001.PNG", np.full((3, 4), 7, np.uint16))
+    with pytest.raises(ConfigError, match=r"001\.PNG and 001\.png have the same stamp, 1"):
         played(folder, 30, loop=False)
 
 
