@@ -51,14 +51,19 @@ def messages(store, ros1, topic, depths, intrinsics, height):
         yield f"{topic.rpartition('/')[0]}/camera_info", "sensor_msgs/msg/CameraInfo", stamp, info
 
 
-def record(folder, kind, depths=DEPTHS, intrinsics=INTRINSICS, height=0.7, topics=(TOPIC,), damaged=()):
-    """A recording of depth topics, and its path. height: 0 for no transforms; damaged: numbers of images cut short."""
+def record(folder, kind, depths=DEPTHS, intrinsics=INTRINSICS, height=0.7, topics=(TOPIC,), damaged=(), texts=()):
+    """A recording of depth topics, and its path. height: 0 for no transforms; damaged: numbers of images cut short.
+
+    texts: topics on which somebody else published a String before.
+    """
     ros1 = kind == "bag"
     store = get_typestore(Stores.ROS1_NOETIC if ros1 else Stores.ROS2_HUMBLE)
     if ros1:
         definition = "geometry_msgs/TransformStamped[] transforms"
         store.register(get_types_from_msg(definition, "tf2_msgs/msg/TFMessage"))
-    written = []
+    text = store.types["std_msgs/msg/String"]("nothing of the kind")
+    raw = bytes((store.serialize_ros1 if ros1 else store.serialize_cdr)(text, text.__msgtype__))
+    written = [(topic, text.__msgtype__, START, raw) for topic in texts]
     for topic in topics:
         for name, kind_of, stamp, message in messages(store, ros1, topic, depths, intrinsics, height):
             raw = bytes(store.serialize_ros1(message, kind_of) if ros1 else store.serialize_cdr(message, kind_of))
@@ -71,9 +76,9 @@ def record(folder, kind, depths=DEPTHS, intrinsics=INTRINSICS, height=0.7, topic
     with Writer1(path) if ros1 else Writer2(path, version=9, storage_plugin=plugin) as writer:
         connections = {}
         for name, kind_of, stamp, raw in written:
-            if name not in connections:
-                connections[name] = writer.add_connection(name, kind_of, typestore=store)
-            writer.write(connections[name], stamp, raw)
+            if (name, kind_of) not in connections:
+                connections[name, kind_of] = writer.add_connection(name, kind_of, typestore=store)
+            writer.write(connections[name, kind_of], stamp, raw)
     return next(path.glob(f"*.{kind.split()[0]}")) if kind.endswith("file") else path
 
 
@@ -84,11 +89,11 @@ def by_mcap(path, store, written):
         writer.start(profile="ros2", library="test")
         channels = {}
         for name, kind_of, stamp, raw in written:
-            if name not in channels:
+            if (name, kind_of) not in channels:
                 definition, _ = store.generate_msgdef(kind_of, ros_version=2)
                 schema = writer.register_schema(kind_of, "ros2msg", definition.encode())
-                channels[name] = writer.register_channel(name, "cdr", schema)
-            writer.add_message(channels[name], log_time=stamp, publish_time=stamp, data=raw)
+                channels[name, kind_of] = writer.register_channel(name, "cdr", schema)
+            writer.add_message(channels[name, kind_of], log_time=stamp, publish_time=stamp, data=raw)
         writer.finish()
     return path
 

@@ -88,10 +88,10 @@ class Peer:
     def subscribe(self, topic, name, latched=False, domain=0):
         return Subscription(self.session, topic, name, latched, domain)
 
-    def publish(self, topic, name, message, domain=0):
-        """Publish as rmw_zenoh does, with an attachment."""
+    def publish(self, topic, name, message, domain=0, sent=None):
+        """Publish as rmw_zenoh does, with an attachment. sent [ns]: the time in it, None for now."""
         self._sequence += 1
-        attachment = struct.pack("<qqB16s", self._sequence, time.time_ns(), 16, bytes(range(16)))
+        attachment = struct.pack("<qqB16s", self._sequence, sent or time.time_ns(), 16, bytes(range(16)))
         payload = bytes(ROS.serialize_cdr(message, name))
         self.session.put(
             key_of(topic, name, domain),
@@ -100,14 +100,14 @@ class Peer:
             congestion_control=zenoh.CongestionControl.BLOCK,
         )
 
-    def publish_once(self, topic, name, message):
+    def publish_once(self, topic, name, message, sent=None):
         """Publish as soon as somebody subscribes, for what is not published again."""
         publisher = self.session.declare_publisher(key_of(topic, name))
         deadline = time.monotonic() + DEADLINE
         while not publisher.matching_status.matching:
             assert time.monotonic() < deadline
             threading.Event().wait(0.01)
-        self.publish(topic, name, message)
+        self.publish(topic, name, message, sent=sent)
 
     def close(self):
         self.session.close()

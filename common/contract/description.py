@@ -1,5 +1,6 @@
 """What is true of a robot: published once by the process that knows it, and taken from there by all others."""
 
+import math
 from typing import Annotated, NamedTuple, Self
 
 import numpy as np
@@ -25,6 +26,16 @@ class Place(NamedTuple):
     x: float  # [m] ahead
     y: float  # [m] to the left
     yaw: float  # [rad] by which the camera looks to the left
+
+
+def check_place(place: Place) -> None:
+    """Raise ValueError where no camera stands so on a base."""
+    for name, distance in (("x", place.x), ("y", place.y)):
+        if not abs(distance) <= limits.FARTHEST_PLACE:  # nor for NaN
+            most = f"{limits.FARTHEST_PLACE:g} m"
+            raise ValueError(f"place: {name} of {distance:g} m is impossible, expected {most} to either side at most")
+    if not abs(place.yaw) <= 2 * math.pi:
+        raise ValueError(f"place: yaw of {place.yaw:g} rad is impossible, expected one turn at most; is it in degrees?")
 
 
 TURTLEBOT_2 = Place(x=-0.087, y=0.0, yaw=0.0)  # its Kinect stands behind

@@ -28,6 +28,8 @@ DEEPEST = 65.535  # [m] that 16 bits of millimetres hold
 LEAST_NOISE, MOST_NOISE = 1e-5, 0.1  # [1/m] of inverse depth
 WIDEST_BASELINE = 1.0  # [m] between a sensor's two eyes
 LOWEST_CAMERA, HIGHEST_CAMERA = 0.001, 20.0  # [m] above the floor
+FARTHEST_PLACE = 5.0  # [m] of a camera on the base, to either side
+LONGEST_PERIOD = 1e4  # [s] between two frames
 FINEST_INCREMENT = 1e-6  # [rad] between two beams
 LONGEST_NAME = 256  # characters
 LONGEST_TEXT = 1000  # characters
@@ -43,7 +45,7 @@ VARIANCE = Field(ge=-1e12, le=1e12)  # or covariance
 READING = Field(ge=-1e6, le=1e6)  # of a sensor, in its unit
 FREQUENCY = Field(ge=0, le=1e12)  # [Hz]
 SECONDS = Field(ge=-1e10, le=1e10)  # any two stamps lie less apart
-PERIOD = Field(ge=0, le=1e4)  # [s]
+PERIOD = Field(ge=0, le=LONGEST_PERIOD)  # [s]
 AZIMUTH = Field(ge=-4 * math.pi, le=4 * math.pi)  # [rad]
 INCREMENT = Field(ge=FINEST_INCREMENT, le=2 * math.pi)  # [rad]
 RANGE_MIN = Field(ge=0, le=1e5)  # [m]

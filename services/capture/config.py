@@ -8,7 +8,7 @@ from pydantic import Field, model_validator
 
 from cliffscan.common.contract.camera import Camera, FloorPlane, Intrinsics, Region, check_camera
 from cliffscan.common.contract.description import TURTLEBOT_2, Place
-from cliffscan.common.contract.limits import MOST_NOISE, WIDEST_BASELINE
+from cliffscan.common.contract.limits import FARTHEST_PLACE, MOST_NOISE, WIDEST_BASELINE
 from cliffscan.common.contract.message import ListAsTuple
 from cliffscan.common.runtime.config import ConfigError, Profiles, ServiceConfig
 from cliffscan.services.capture.sources.kinds import KINDS
@@ -68,9 +68,9 @@ class CaptureConfig(ServiceConfig):
     counts."""
 
     # where the camera stands on the base
-    x: Annotated[float, Field(ge=-5, le=5)] = TURTLEBOT_2.x
+    x: Annotated[float, Field(ge=-FARTHEST_PLACE, le=FARTHEST_PLACE)] = TURTLEBOT_2.x
     """Where the camera stands [m], ahead of the middle between the wheels; a TurtleBot 2's Kinect stands behind it."""
-    y: Annotated[float, Field(ge=-5, le=5)] = TURTLEBOT_2.y
+    y: Annotated[float, Field(ge=-FARTHEST_PLACE, le=FARTHEST_PLACE)] = TURTLEBOT_2.y
     """Where the camera stands [m], to the left of the middle between the wheels."""
     yaw: Annotated[float, Field(ge=-180, le=180)] = math.degrees(TURTLEBOT_2.yaw)
     """Where the camera looks [deg], counter-clockwise from straight ahead."""

@@ -24,6 +24,9 @@ def fuse(pair: Pair, extras: Mapping[str, tuple[ExtraInput, LaserScan]]) -> Lase
 
     An extra input can add obstacles; it neither frees a beam that the camera did not see nor closes one that it does
     not see itself. Raises GridMismatch.
+
+    With extra inputs range_min is 0, for seen from the camera their obstacles may be at any distance. It never changes,
+    as nothing is fused without each input that is configured.
     """
     positive, negative = pair
     grid = positive.grid()
@@ -35,7 +38,7 @@ def fuse(pair: Pair, extras: Mapping[str, tuple[ExtraInput, LaserScan]]) -> Lase
     fused = combine([within(each, range_max) for each in inputs])
     return positive.model_copy(
         update={
-            "range_min": min(positive.range_min, negative.range_min),
+            "range_min": 0.0 if extras else min(positive.range_min, negative.range_min),
             "range_max": range_max,
             **fused.arrays(),
         }

@@ -57,7 +57,7 @@ class Fleet:
         self._reviewed = now
         self._claims: dict[str, Bus] = {}  # with the token of each robot that is claimed
         self._published: dict[str, float] = {}  # [s], when each robot that nobody named last published
-        self._first: dict[str, bytes] = {}  # the newest image of a robot that is new and not served yet
+        self._first: dict[str, bytes] = {}  # the newest image of each robot that is soon served first
         self._lock = threading.Lock()  # over the robots, of which the statuses are published from another thread
         self._robots: dict[str, RobotPerception] = {}
 
@@ -155,8 +155,19 @@ class Fleet:
         robot = self._robots.get(name)
         if robot:
             robot.take(payloads)
-        elif self._is_good(name, payloads) and self._standings.is_new(name):
-            self._first[name] = payloads[-1]
+        elif self._is_good(name, payloads) and self._is_soon_served(name):
+            self._keep(name, payloads[-1])
+
+    def _is_soon_served(self, name: str) -> bool:
+        """Whether a robot that is not served may be soon, as the first time."""
+        return self._standings.is_new(name) and name not in self._standings.beyond
+
+    def _keep(self, name: str, payload: bytes) -> None:
+        """Keep a robot's newest image until it is served; of MOST robots, for no more are served."""
+        self._first.pop(name, None)
+        self._first[name] = payload
+        if len(self._first) > MOST:
+            del self._first[next(iter(self._first))]
 
     def _is_good(self, name: str, payloads: Sequence[bytes]) -> bool:
         """Whether a robot that is not served publishes good depth images; it is known then."""
@@ -189,6 +200,7 @@ class Fleet:
             self._standings.forget(name)
         for name, standing in self._standings.review(self._published.keys(), now).items():
             self._become(name, standing)
+        self._first = {name: image for name, image in self._first.items() if self._is_soon_served(name)}
         for name in self._standings.beyond:
             why = f"{name}: {MOST} robots are served already; start another process"
             self._metrics.warn_limited("too_many", why)

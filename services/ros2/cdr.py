@@ -83,11 +83,15 @@ class Writer:
 
 
 class Reader:
-    """Reads a message field by field. All methods raise CdrError."""
+    """Reads a message field by field. All methods raise CdrError.
 
-    def __init__(self, payload: bytes) -> None:
+    sent [ns]: when it was sent, on the sender's clock; 0 where that is not known.
+    """
+
+    def __init__(self, payload: bytes, sent: int = 0) -> None:
         if payload[:2] != HEADER[:2]:
             raise CdrError(f"begins with {payload[:4].hex()!r}, expected {HEADER.hex()!r}: little-endian CDR")
+        self.sent = sent
         self._body = memoryview(payload)[len(HEADER) :]
         self._at = 0
 

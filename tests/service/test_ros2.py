@@ -248,6 +248,13 @@ def test_a_twist_drives_and_one_that_is_broken_is_counted(client, start, peer):
     assert status.until(lambda message: message["counts"].get("malformed"))["counts"]["malformed"] == 1
 
 
+def test_a_twist_is_of_when_it_was_sent(client, start, peer):
+    start("ros2")
+    velocities = client.listen("base/cmd_vel")
+    peer.publish_once("cmd_vel", TWIST, twist(0.1, 0.0), sent=12_000_000_034)
+    assert velocities.get()["stamp"] == 12_000_000_034
+
+
 def test_a_stamped_twist_keeps_its_stamp(client, start, peer):
     start("ros2")
     velocities = client.listen("base/cmd_vel")

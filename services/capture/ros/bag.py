@@ -16,6 +16,8 @@ from cliffscan.services.capture.ros.pictures import CompressedPicture, Picture
 from cliffscan.services.capture.sources.depth_source import BadFrame
 
 IMAGE, COMPRESSED_IMAGE = "sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage"
+IMAGES = (IMAGE, COMPRESSED_IMAGE)
+CAMERA_INFO, TRANSFORMS = "sensor_msgs/msg/CameraInfo", "tf2_msgs/msg/TFMessage"
 SECOND = 1_000_000_000  # [ns]
 MEND = "mend one that was cut by `rosbag reindex`, `ros2 bag reindex` or `mcap recover`"
 DAMAGED = "it was damaged after it was recorded"
@@ -50,9 +52,9 @@ class Bag:
         """What was recorded: each topic with its type, perhaps several times."""
         return self._reader.connections
 
-    def of(self, topic: str) -> list[Connection]:
-        """The connections of a topic."""
-        return [each for each in self.connections if each.topic == topic]
+    def of(self, topic: str, *types: str) -> list[Connection]:
+        """The connections of a topic that have one of these types: anybody may have published others there."""
+        return [each for each in self.connections if each.topic == topic and each.msgtype in types]
 
     def contents(self) -> list[str]:
         """The topics, a line each."""
@@ -91,13 +93,13 @@ class Bag:
         except Exception as error:  # whatever bad bytes make numpy and struct raise
             raise BadFrame(f"a message that cannot be decoded ({_why(error)}): {DAMAGED}") from error
 
-    def messages(self, topic: str) -> Iterator[Any]:
-        """The messages of a topic; one that cannot be read is passed over."""
-        return self.read(topic, self.decoded)
+    def messages(self, topic: str, kind: str) -> Iterator[Any]:
+        """The messages of a topic that have this type; one that cannot be read is passed over."""
+        return self.read(topic, kind, self.decoded)
 
-    def read(self, topic: str, decode: Callable[[Sample], T]) -> Iterator[T]:
-        """What `decode` makes of the messages of a topic; one of which it makes a BadFrame is passed over."""
-        for sample in self.samples(self.of(topic)):
+    def read(self, topic: str, kind: str, decode: Callable[[Sample], T]) -> Iterator[T]:
+        """What `decode` makes of such messages; one of which it makes a BadFrame is passed over."""
+        for sample in self.samples(self.of(topic, kind)):
             try:
                 yield decode(read_whole(sample))
             except BadFrame as error:

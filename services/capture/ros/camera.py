@@ -4,6 +4,7 @@ import logging
 
 from cliffscan.common.contract.camera import Camera, check_camera
 from cliffscan.common.contract.description import Place
+from cliffscan.common.contract.limits import LONGEST_PERIOD
 from cliffscan.services.capture.config import KINECT_RANGE, CaptureConfig
 from cliffscan.services.capture.ros.calibration import Calibration, info_topic
 from cliffscan.services.capture.ros.mount import BASES, Mount, StaticTransforms
@@ -79,9 +80,10 @@ class RosCamera:
         return camera, place
 
     def _period(self, stamp: int) -> float | None:
-        """The time [s] since the last frame, None of the first. Raises BadFrame for a frame that came before it.
+        """The time [s] since the last frame, as much as a message can tell; None of the first.
 
-        A frame may come twice: `ros2` publishes what capture publishes, and under the same topic.
+        Raises BadFrame for a frame that is not later than the last. A frame may come twice: `ros2` publishes what
+        capture publishes, and under the same topic.
         """
         if stamp <= 0:
             raise BadFrame(f"{self._topic}: the image has no stamp: have the driver set it")
@@ -89,4 +91,4 @@ class RosCamera:
         if last is not None and last - SET_BACK < stamp <= last:
             raise BadFrame(f"{self._topic}: stamp {stamp} is not later than the last, {last}: do two publish it?")
         self._stamp = stamp
-        return None if last is None or stamp < last else (stamp - last) * 1e-9
+        return None if last is None or stamp < last else min((stamp - last) * 1e-9, LONGEST_PERIOD)

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from cliffscan.common.contract.camera import Floats, FloorPlane
-from cliffscan.common.contract.description import Place
+from cliffscan.common.contract.description import Place, check_place
 
 BASES = ("base_footprint", "base_link")  # frames on the floor between the wheels, the surer first
 LONGEST = 32  # joints from a frame to its root; more are a circle
@@ -78,7 +78,9 @@ class StaticTransforms:
 
 
 def _mount(camera: Floats) -> Mount:
-    """The mount of a camera by (4, 4), from its optical coordinates to the base's."""
+    """The mount of a camera by (4, 4), from its optical coordinates to the base's. Raises ValueError."""
     up, ahead = camera[2, :3], camera[:3, 2]
     floor = FloorPlane(float(up[0]), float(up[1]), float(up[2]), float(camera[2, 3]))
-    return Mount(floor, Place(float(camera[0, 3]), float(camera[1, 3]), math.atan2(ahead[1], ahead[0])))
+    place = Place(float(camera[0, 3]), float(camera[1, 3]), math.atan2(ahead[1], ahead[0]))
+    check_place(place)
+    return Mount(floor, place)

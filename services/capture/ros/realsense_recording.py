@@ -8,7 +8,10 @@ from typing import Any
 from cliffscan.common.runtime.config import ConfigError
 from cliffscan.services.capture.config import CaptureConfig
 from cliffscan.services.capture.ros.bag import (
+    CAMERA_INFO,
     COMPRESSED_IMAGE,
+    IMAGES,
+    TRANSFORMS,
     Bag,
     Sample,
     calibration,
@@ -34,12 +37,13 @@ from cliffscan.services.capture.sources.realsense_sensor import millimetres, sen
 from cliffscan.services.capture.sources.recorded import Origins
 
 VERSION, DEVICE = "/file_version", "/device_0/"
+COUNT, NUMBER, TEXT = (f"std_msgs/msg/{name}" for name in ("UInt32", "Float32", "String"))  # TEXT: of a ROS 2 bag
 DEPTH = re.compile(r"((/device_\d+/sensor_\d+)/Depth_\d+)/image/data(/compressedDepth)?")
 
 
 def by_librealsense(bag: Bag) -> bool:
     """Whether librealsense wrote a recording."""
-    return bool(bag.of(VERSION)) and any(each.topic.startswith(DEVICE) for each in bag.connections)
+    return bool(bag.of(VERSION, COUNT)) and any(each.topic.startswith(DEVICE) for each in bag.connections)
 
 
 class RealSenseRecording(RecordedTopic):
@@ -49,7 +53,8 @@ class RealSenseRecording(RecordedTopic):
     """
 
     def __init__(self, bag: Bag, config: CaptureConfig) -> None:
-        found = {each.topic: match for each in bag.connections if (match := DEPTH.fullmatch(each.topic))}
+        images = (each.topic for each in bag.connections if each.msgtype in IMAGES)
+        found = {topic: match for topic in images if (match := DEPTH.fullmatch(topic))}
         super().__init__(bag, config, f"{bag.kind} of librealsense", found)
         stream, sensor, _ = found[self._topic].groups()
         self._info = f"{stream}/info/camera_info" if bag.ros1 else f"{stream}/camera_info"
@@ -58,9 +63,9 @@ class RealSenseRecording(RecordedTopic):
         self._sees = sensor_of(self.camera.calibration.k[0], abs(baselines[0][1]) / 1000 if baselines else 0.0)
         self._unit_topic = f"{sensor}/option/Depth_Units/value"
         self._units = self._options(self._unit_topic)
-        for message in bag.read("/tf_static", self._decoded):
+        for message in bag.read("/tf_static", TRANSFORMS, self._decoded):
             self.camera.transforms.add(map(joint, message.transforms))
-        self._shots = {} if bag.ros1 else dict(bag.read(f"{stream}/image/metadata", self._shot))
+        self._shots = {} if bag.ros1 else dict(bag.read(f"{stream}/image/metadata", TEXT, self._shot))
         self._unit = 0.0  # [m] of the last frame that was read
 
     def origins(self) -> Origins:
@@ -108,14 +113,15 @@ class RealSenseRecording(RecordedTopic):
             message = self._decoded(sample)
             return calibration(message) if self._bag.ros1 else stream_calibration(message.data)
 
-        found = next(self._bag.read(self._info, told), None)
+        found = next(self._bag.read(self._info, CAMERA_INFO if self._bag.ros1 else TEXT, told), None)
         if found is None:
             raise ConfigError(f"capture.path {self._bag.path}: no intrinsics on {self._info}: record it again")
         return found
 
     def _options(self, topic: str) -> list[tuple[int, float]]:
         """The values of an option, each with the time [ns] from which on it had it."""
-        return list(self._bag.read(topic, lambda sample: (sample.time, number(self._decoded(sample).data))))
+        kind = NUMBER if self._bag.ros1 else TEXT
+        return list(self._bag.read(topic, kind, lambda sample: (sample.time, number(self._decoded(sample).data))))
 
     def _shot(self, sample: Sample) -> tuple[int, Shot]:
         return sample.time, shot(self._decoded(sample).data)

@@ -5,7 +5,7 @@ from collections.abc import Collection, Iterator
 from functools import partial
 
 from cliffscan.services.capture.config import CaptureConfig
-from cliffscan.services.capture.ros.bag import Bag, Sample
+from cliffscan.services.capture.ros.bag import IMAGES, Bag, Sample
 from cliffscan.services.capture.ros.camera import RosCamera
 from cliffscan.services.capture.sources.depth_source import BadFrame, DepthFrame
 from cliffscan.services.capture.sources.recorded import Origins, RecordedImage
@@ -20,7 +20,7 @@ class RecordedTopic(ABC):
         self._bag, self._config = bag, config
         self.kind, self.contents = kind, bag.contents
         self._topic = bag.depth_topic(config.topic, sorted(found))
-        self._connections = bag.of(self._topic)
+        self._connections = bag.of(self._topic, *IMAGES)
         self.camera = RosCamera(config, self._topic)
 
     def __len__(self) -> int:

@@ -5,8 +5,10 @@ from rosbags.interfaces import Connection
 from cliffscan.common.runtime.config import ConfigError
 from cliffscan.services.capture.config import CaptureConfig
 from cliffscan.services.capture.ros.bag import (
+    CAMERA_INFO,
     COMPRESSED_IMAGE,
     IMAGE,
+    TRANSFORMS,
     Bag,
     Sample,
     calibration,
@@ -29,11 +31,11 @@ class Recording(RecordedTopic):
         super().__init__(bag, config, bag.kind, {each.topic for each in bag.connections if _is_depth(bag, each)})
         self._encoding = ""
         info = info_topic(self._topic)
-        found = next(bag.messages(info), None)
+        found = next(bag.messages(info, CAMERA_INFO), None)
         if found is None:
             raise ConfigError(f"capture.path {bag.path}: no CameraInfo on {info}: record it beside the images")
         self.camera.calibration = calibration(found)
-        for message in bag.messages("/tf_static"):
+        for message in bag.messages("/tf_static", TRANSFORMS):
             self.camera.transforms.add(map(joint, message.transforms))
 
     def origins(self) -> Origins:
@@ -59,5 +61,5 @@ class Recording(RecordedTopic):
 def _is_depth(bag: Bag, connection: Connection) -> bool:
     if connection.msgtype == COMPRESSED_IMAGE:
         return connection.topic.endswith(COMPRESSED)
-    first = next(bag.messages(connection.topic), None) if connection.msgtype == IMAGE else None
+    first = next(bag.messages(connection.topic, IMAGE), None) if connection.msgtype == IMAGE else None
     return first is not None and first.encoding in ENCODINGS

@@ -20,7 +20,8 @@ from cliffscan.common.contract.camera import (
     Region,
     check_camera,
 )
-from cliffscan.common.contract.description import Place
+from cliffscan.common.contract.description import Place, check_place
+from cliffscan.common.contract.limits import LONGEST_PERIOD
 from cliffscan.common.contract.message import Stamp, explain
 from cliffscan.common.runtime.config import ConfigError
 from cliffscan.services.capture.sources.depth_png import decode_depth
@@ -30,7 +31,6 @@ from cliffscan.services.capture.sources.recorded import Origins, RecordedImage
 Four = tuple[float, float, float, float]
 LEVEL = (0.0, -1.0, 0.0, 0.3)  # a floor below any camera
 CAMERA_FILE = "camera.json"
-LONGEST_PERIOD = 1e4  # [s] that a message can tell
 
 
 class FrameOverride(BaseModel):
@@ -140,18 +140,29 @@ def images_of(folder: Path) -> list[Path]:
 
 
 def recorded_stamps(folder: Path, file: CameraFile, images: Sequence[Path]) -> list[int]:
-    """The recorded stamp [ns] of each image; none where no image has one. Raises ConfigError where only some have.
+    """The recorded stamp [ns] of each image; none where no image has one.
 
-    Recorded and present times in one stream would send its consumers back and forth by years.
+    Raises ConfigError where only some have: recorded and present times in one stream would send its consumers back and
+    forth by years. And where two have the same: a consumer could not tell the two frames apart.
     """
-    of_all = {image.stem: file.frames.get(image.stem, FrameOverride()).stamp for image in images}
-    bare = [name for name, stamp in of_all.items() if stamp is None]
+    of_all = [(image.name, file.frames.get(image.stem, FrameOverride()).stamp) for image in images]
+    bare = [name for name, stamp in of_all if stamp is None]
     if bare and len(bare) < len(of_all):
         raise ConfigError(
-            f"{folder / 'camera.json'}: {len(bare)} of {len(of_all)} frames have no stamp, {bare[0]} first:"
+            f"{folder / CAMERA_FILE}: {len(bare)} of {len(of_all)} frames have no stamp, {bare[0]} first:"
             " give each frame one, or none"
         )
-    return [stamp for stamp in of_all.values() if stamp is not None]
+    named: dict[int, str] = {}
+    for name, stamp in of_all:
+        if stamp is None:
+            continue
+        if stamp in named:
+            raise ConfigError(
+                f"{folder / CAMERA_FILE}: {named[stamp]} and {name} have the same stamp, {stamp}:"
+                " give each frame its own, or none any"
+            )
+        named[stamp] = name
+    return list(named)
 
 
 def usual_step(stamps: Sequence[int]) -> float | None:
@@ -161,11 +172,13 @@ def usual_step(stamps: Sequence[int]) -> float | None:
 
 
 def read_camera(folder: Path) -> CameraFile:
-    """The folder's `camera.json`. Raises ConfigError, also where no frame can have such a camera."""
+    """The folder's `camera.json`. Raises ConfigError, also where no frame can have such a camera or place."""
     path = folder / CAMERA_FILE
     try:
         file = CameraFile.model_validate_json(path.read_bytes())
         check_camera(file.camera(file.intrinsics, file.floor or LEVEL))
+        if place := file.standing():
+            check_place(place)
         return file
     except OSError as error:
         raise ConfigError(f"{path}: {error.strerror}") from error

@@ -125,6 +125,19 @@ def test_without_intrinsics_it_is_refused(tmp_path):
         open_recorded(config(path))
 
 
+@pytest.mark.parametrize("topic", [UNIT_TOPIC, "/device_0/sensor_0/Depth_0/info/camera_info", IMAGES, "/tf_static"])
+def test_messages_of_another_type_on_a_topic_are_passed_over(tmp_path, topic):
+    with Reader(OLD) as reader, Writer(tmp_path / "drive.bag") as writer:
+        text = next(each for each in reader.connections if each.msgtype == "std_msgs/msg/String")
+        strange = writer.add_connection(topic, text.msgtype, msgdef=text.msgdef.data, md5sum=text.digest)
+        writer.write(strange, 0, struct.pack("<I", 4) + b"none")
+        for each in reader.connections:
+            copy = writer.add_connection(each.topic, each.msgtype, msgdef=each.msgdef.data, md5sum=each.digest)
+            for _, stamp, data in reader.messages([each]):
+                writer.write(copy, stamp, data)
+    check(tmp_path / "drive.bag", 0.00025, 0.0)
+
+
 def test_images_of_another_format_are_refused(tmp_path):
     path = edited(tmp_path / "drive.bag", lambda _, data: data.replace(b"mono16", b"mono17"))
     with closing(open_recorded(config(path))) as recorded, pytest.raises(BadFrame, match="expected mono16: record the"):

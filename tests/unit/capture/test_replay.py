@@ -131,8 +131,24 @@ def test_a_frames_own_values_override_the_folders(tmp_path, clock):
 
 def test_some_stamps_are_refused_for_recorded_and_present_times_do_not_mix(tmp_path):
     folder = depth_folder(tmp_path, frames={"000": {"stamp": 5}, "002": {"stamp": 6}})
-    reason = r"camera\.json: 1 of 3 frames have no stamp, 001 first: give each frame one, or none"
+    reason = r"camera\.json: 1 of 3 frames have no stamp, 001\.png first: give each frame one, or none"
     with pytest.raises(ConfigError, match=reason):
+        played(folder, 30, loop=False)
+
+
+def test_two_frames_of_one_stamp_are_refused_with_the_remedy(tmp_path):
+    frames = {name: {"stamp": stamp} for name, stamp in (("000", 5), ("001", 6), ("002", 5))}
+    folder = depth_folder(tmp_path, frames=frames)
+    reason = r"camera\.json: 000\.png and 002\.png have the same stamp, 5: give each frame its own, or none any"
+    with pytest.raises(ConfigError, match=reason):
+        played(folder, 30, loop=False)
+
+
+def test_two_images_of_one_name_have_one_stamp_and_are_refused(tmp_path):
+    frames = {f"{number:03}": {"stamp": number} for number in range(3)}
+    folder = depth_folder(tmp_path, frames=frames)
+    build.write_png(folder / "001.PNG", np.full((3, 4), 7, np.uint16))
+    with pytest.raises(ConfigError, match=r"001\.PNG and 001\.png have the same stamp, 1"):
         played(folder, 30, loop=False)
 
 
@@ -214,6 +230,9 @@ def test_a_frame_without_a_floor_is_bad(folder):
         ({"floor": [0, 0, 0, 0.3]}, "floor: the normal has length"),
         ({"intrinsics": [0, 4, 1, 1]}, "intrinsics: fx"),
         ({"range": [4.5, 0.5], "floor": GONE}, "range"),
+        ({"place": [5.1, 0, 0]}, "place: x of 5.1 m is impossible, expected 5 m to either side at most"),
+        ({"place": [0, -1e9, 0]}, r"place: y of -1e\+09 m"),
+        ({"place": [0, 0, 90]}, r"place: yaw of 90 rad is impossible, expected one turn at most; is it in degrees\?"),
         ({"range": [500, 4500]}, r"range: \[500.0, 4500.0\] m is impossible; is it in millimetres\?"),
     ],
 )

@@ -10,6 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from PIL import Image
+from PIL.PngImagePlugin import PngImageFile
 
 from cliffscan.services.capture.sources.depth_folder import DepthFolder, read_depth
 from cliffscan.services.capture.sources.depth_source import BadFrame
@@ -47,10 +48,16 @@ def chunk(kind, data):
     return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
 
 
-def png(width, height, pixels, *extra, bits=16, colour=0):
-    header = chunk(b"IHDR", struct.pack(">IIBBBBB", width, height, bits, colour, 0, 0, 0))
+SIGNATURE, END = b"\x89PNG\r\n\x1a\n", chunk(b"IEND", b"")
+
+
+def header(width, height):
+    return chunk(b"IHDR", struct.pack(">IIBBBBB", width, height, 16, 0, 0, 0, 0))
+
+
+def png(width, height, pixels, *extra):
     rows = b"".join(b"\x00" + row.astype(">u2").tobytes() for row in pixels)
-    return b"\x89PNG\r\n\x1a\n" + header + b"".join(extra) + chunk(b"IDAT", zlib.compress(rows)) + chunk(b"IEND", b"")
+    return SIGNATURE + header(width, height) + b"".join(extra) + chunk(b"IDAT", zlib.compress(rows)) + END
 
 
 @pytest.mark.parametrize("value", [0, 1, 255, 256, 32767, 32768, 65535])
@@ -137,6 +144,24 @@ def test_a_strange_chunk_is_bad_or_does_no_harm(path, kind, content):
     path.write_bytes(png(4, 3, np.full((3, 4), 7, np.uint16), chunk(kind, content)))
     with contextlib.suppress(BadFrame):
         assert (read_depth(path, 4, 3) == 7).all()
+
+
+@pytest.mark.parametrize("chunks", [b"", header(4, 3), header(4, 3) + chunk(b"sRGB", b"")], ids=len)
+def test_a_png_without_pixels_is_bad(path, chunks):
+    path.write_bytes(SIGNATURE + chunks + END)
+    with pytest.raises(BadFrame, match=r"frame\.png: "):
+        read_depth(path, 4, 3)
+
+
+@pytest.mark.parametrize("fault", [IndexError, KeyError, TypeError, zlib.error, struct.error, MemoryError])
+def test_whatever_pillow_raises_costs_one_frame(path, monkeypatch, fault):
+    def verify(_):
+        raise fault("of bad bytes")
+
+    monkeypatch.setattr(PngImageFile, "verify", verify)
+    path.write_bytes(GOOD)
+    with pytest.raises(BadFrame, match=r"frame\.png: "):
+        read_depth(path, VIEW.width, VIEW.height)
 
 
 def test_a_file_that_goes_away_or_is_none_is_bad(tmp_path):

@@ -7,6 +7,7 @@ import pytest
 
 from cliffscan.common.contract.camera import FloorPlane, Intrinsics
 from cliffscan.common.contract.description import TURTLEBOT_2
+from cliffscan.common.contract.limits import LONGEST_PERIOD
 from cliffscan.services.capture.config import CaptureConfig
 from cliffscan.services.capture.ros.calibration import Calibration, info_topic
 from cliffscan.services.capture.ros.camera import RosCamera
@@ -69,6 +70,13 @@ def test_a_period_is_from_one_stamp_to_the_next(make):
     assert periods == [None, 0.25, 0.75]
 
 
+def test_a_period_is_no_longer_than_a_message_can_tell(make):
+    """A clock that is set by an hour or by years, as at the first contact with a time server."""
+    camera = make()
+    camera.frame(picture(5 * SECOND))
+    assert camera.frame(picture(1_700_000_000 * SECOND)).period == LONGEST_PERIOD
+
+
 def test_a_frame_that_comes_again_or_late_is_refused_and_a_clock_set_back_is_not(make):
     camera = make()
     camera.frame(picture(5 * SECOND))
@@ -117,6 +125,9 @@ def test_a_transform_that_cannot_be_is_told(make):
     camera.transforms.add([FLOOR._replace(translation=(0.0, 0.0, -0.1))])
     with pytest.raises(BadFrame, match=r"camera height of -0\.1 m is impossible"):
         camera.frame(picture(6 * SECOND))
+    camera.transforms.add([FLOOR._replace(translation=(0.0, 1e9, 0.3))])
+    with pytest.raises(BadFrame, match=r"place: y of 1e\+09 m is impossible.*: correct /tf_static"):
+        camera.frame(picture(7 * SECOND))
 
 
 def test_an_image_without_a_stamp_is_refused(make):

@@ -90,6 +90,8 @@ def test_a_camera_that_nothing_joins_to_a_base_has_no_mount(joints):
         (("base_link", "optical", (0.0, 0.0, 0.3), (0.0, 0.0, 0.0, 0.0)), "from base_link to optical is none"),
         (("base_link", "optical", (0.0, 0.0, math.nan), NONE), "is none"),
         (("base_link", "optical", (0.0, 0.0, 0.3), (math.nan, 0.0, 0.0, 1.0)), "is none"),
+        (("base_link", "optical", (1e9, 0.0, 0.3), OPTICAL), r"place: x of 1e\+09 m is impossible"),
+        (("base_link", "optical", (0.0, -5.1, 0.3), OPTICAL), r"place: y of -5\.1 m is impossible"),
         (("optical", "optical", (0.0, 0.0, 0.3), NONE), "circle"),
     ],
 )

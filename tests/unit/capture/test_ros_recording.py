@@ -9,7 +9,7 @@ from cliffscan.common.runtime.config import ConfigError
 from cliffscan.services.capture.config import CaptureConfig
 from cliffscan.services.capture.sources.depth_source import BadFrame, SourceEnded
 from cliffscan.services.capture.sources.open_source import open_source
-from tests.own_recordings import DEPTHS, KINDS, TOPIC, break_chunk, record, stamp_of
+from tests.own_recordings import DEPTHS, INFO, KINDS, TOPIC, break_chunk, record, stamp_of
 
 
 def opened(path, **settings):
@@ -35,6 +35,14 @@ def test_a_recording_is_played_with_its_stamps_camera_and_mount(tmp_path, kind):
         assert frame.camera.intrinsics == (3.0, 2.5, 1.0, 0.5)
         assert frame.camera.floor == pytest.approx((0.0, -1.0, 0.0, 0.7))
         assert frame.place == pytest.approx((0.1, 0.0, 0.0))
+
+
+@pytest.mark.parametrize("kind", ["bag", "sqlite", "mcap of its project"])
+@pytest.mark.parametrize("topic", [TOPIC, INFO, "/tf_static"])
+def test_messages_of_another_type_on_a_topic_are_passed_over(tmp_path, kind, topic):
+    played = frames(opened(record(tmp_path, kind, texts=[topic]), loop=False))
+    assert [frame.stamp for frame in played] == [stamp_of(number) for number in range(3)]
+    assert [frame.camera.floor.d for frame in played] == pytest.approx([0.7] * 3)
 
 
 @pytest.mark.parametrize("kind", ["bag", "sqlite", "mcap of its project"])

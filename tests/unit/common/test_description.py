@@ -9,7 +9,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from cliffscan.common.contract.camera import FloorPlane, scan_axes
-from cliffscan.common.contract.description import CameraDescription, RobotDescription
+from cliffscan.common.contract.description import CameraDescription, Place, RobotDescription, check_place
 from cliffscan.common.contract.message import MessageError
 from tests import build
 
@@ -61,6 +61,20 @@ def test_floor_nearer_than_the_sensor_measures_is_not_seen():
     slope = 0.3 / 0.5  # of the first floor measured: below the optical axis by as much for each metre of depth
     below_axis = (slope - math.sin(DOWN)) / math.cos(DOWN)
     assert told.nearest_floor == pytest.approx(0.5 * (math.cos(DOWN) - below_axis * math.sin(DOWN)))
+
+
+@pytest.mark.parametrize("place", [Place(5.0, -5.0, 2 * math.pi), Place(-5.0, 5.0, -2 * math.pi)])
+def test_a_place_on_a_base_can_be_told(place):
+    check_place(place)
+    told = CameraDescription.of(build.camera(), "eye", False, place)
+    assert (told.x, told.y, told.yaw) == place
+
+
+@pytest.mark.parametrize("wrong", [math.nan, math.inf, -math.inf, 6.3, -1e9])
+@pytest.mark.parametrize("field", Place._fields)
+def test_a_place_where_no_camera_stands_is_refused_by_its_field(field, wrong):
+    with pytest.raises(ValueError, match=f"place: {field} of .* is impossible"):
+        check_place(Place(0.0, 0.0, 0.0)._replace(**{field: wrong}))
 
 
 def test_a_camera_that_sees_no_floor_says_so():

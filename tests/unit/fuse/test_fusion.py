@@ -116,13 +116,22 @@ def test_a_scan_without_evidence_is_taken_for_what_its_key_says():
     assert_array_equal(found.intensities, [Evidence.POSITIVE, Evidence.DROP, Evidence.NOTHING])
 
 
-def test_the_limits_are_those_that_all_inputs_keep():
+def test_no_number_of_an_extra_input_lies_below_the_least_range():
+    pair = Pair(scan([INF, 2.0], range_min=0.3), scan([INF, 2.0], range_min=0.3))
+    near, far = scan([0.2, INF], range_min=0.05), scan([4.0, 4.0], range_min=0.05)
+    found = [fuse(pair, {"l": (LIDAR, lidar)}) for lidar in (near, far)]
+    assert_array_equal(found[0].ranges, np.float32([0.2, 2.0]))
+    assert [each.range_min for each in found] == [0.0, 0.0]  # a reader may take that of the first scan for all
+
+
+def test_the_limits_are_those_that_the_scans_of_the_camera_keep():
     positive = scan([1, 4, INF], range_max=5.0, range_min=0.2)
     negative = scan([2, INF, 9], range_max=10.0, range_min=0.1)
-    found = fuse(Pair(positive, negative), {"l": (LIDAR, scan([50, 50, 50], range_max=100.0))})
-    assert (found.range_min, found.range_max) == (0.1, 5.0)
-    assert_array_equal(found.ranges, np.float32([1, 4, INF]))
-    assert_array_equal(found.intensities, [1, 1, 0])
+    for extras, least in (({}, 0.1), ({"l": (LIDAR, scan([50, 50, 50], range_max=100.0))}, 0.0)):
+        found = fuse(Pair(positive, negative), extras)
+        assert (found.range_min, found.range_max) == (least, 5.0)
+        assert_array_equal(found.ranges, np.float32([1, 4, INF]))
+        assert_array_equal(found.intensities, [1, 1, 0])
 
 
 def test_the_fused_scan_is_of_its_frame_and_its_grid_and_can_be_read():

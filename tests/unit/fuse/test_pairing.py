@@ -1,4 +1,4 @@
-"""Scans of one stamp find each other; one that lacks its partner waits, and is given up."""
+"""Scans of one frame find each other; one that lacks its partner waits, and is given up."""
 
 import pytest
 from hypothesis import given
@@ -10,8 +10,8 @@ from tests import build
 SIDES = ("positive", "negative")
 
 
-def scan(stamp, seq=0):
-    return build.scan([1.0, 2.0], stamp=stamp, seq=seq)
+def scan(stamp, seq=0, nearest=1.0):
+    return build.scan([nearest, 2.0], stamp=stamp, seq=seq)
 
 
 @pytest.fixture
@@ -20,8 +20,8 @@ def pairing():
 
 
 @pytest.mark.parametrize("sides", [SIDES, SIDES[::-1]])
-def test_scans_of_one_stamp_are_a_pair_whichever_comes_first(pairing, sides):
-    scans = {side: scan(7, seq) for seq, side in enumerate(SIDES)}
+def test_scans_of_one_frame_are_a_pair_whichever_comes_first(pairing, sides):
+    scans = {side: scan(7) for side in SIDES}
     assert pairing.add(sides[0], scans[sides[0]], 0.0) is None
     pair = pairing.add(sides[1], scans[sides[1]], 0.1)
     assert pair.positive is scans["positive"]
@@ -34,6 +34,16 @@ def test_scans_of_other_stamps_are_none_however_near(pairing, other):
     assert pairing.add("negative", scan(other), 0.0) is None
 
 
+@pytest.mark.parametrize("sides", [SIDES, SIDES[::-1]])
+def test_scans_of_two_frames_of_one_stamp_are_none(pairing, sides):
+    first, second = sides
+    for seq in (1, 2):
+        assert pairing.add(first, scan(7, seq), 0.0) is None
+    for seq in (1, 2):
+        pair = pairing.add(second, scan(7, seq), 0.1)
+        assert (pair.positive.seq, pair.negative.seq) == (seq, seq)
+
+
 def test_a_pair_is_made_once(pairing):
     pairing.add("positive", scan(7), 0.0)
     assert pairing.add("negative", scan(7), 0.0)
@@ -42,9 +52,9 @@ def test_a_pair_is_made_once(pairing):
 
 
 def test_of_a_repeated_scan_the_newest_counts(pairing):
-    pairing.add("positive", scan(7, 1), 0.0)
-    assert pairing.add("positive", scan(7, 2), 0.0) is None
-    assert pairing.add("negative", scan(7), 0.0).positive.seq == 2
+    pairing.add("positive", scan(7, nearest=1.0), 0.0)
+    assert pairing.add("positive", scan(7, nearest=0.5), 0.0) is None
+    assert pairing.add("negative", scan(7), 0.0).positive.ranges[0] == 0.5
 
 
 def test_frames_may_overtake_each_other(pairing):

@@ -121,6 +121,28 @@ def test_more_robots_than_can_be_served_are_told_of(every, bus, clock, caplog):
     assert f"r{MOST:03}: {MOST} robots are served already" in caplog.text
 
 
+def test_images_are_kept_of_no_more_robots_than_can_be_served(every, clock):
+    for number in range(2 * MOST):
+        every._take(f"r{number:03}", [image(7)])
+    assert list(every._first) == [f"r{number:03}" for number in range(MOST, 2 * MOST)]
+    every._take(f"r{MOST:03}", [image(8)])
+    every._take("r000", [image(8)])
+    assert list(every._first)[-2:] == [f"r{MOST:03}", "r000"]  # the one whose image is oldest was given up
+
+
+def test_no_image_is_kept_of_a_robot_that_is_not_to_be_served(every, clock):
+    for number in range(MOST + 2):
+        every._take(f"r{number:03}", [image(7)])
+    settle(every, clock)
+    assert every._first == {}
+    every._take(f"r{MOST:03}", [image(8)])
+    assert every._first == {}
+    every._take("a", [image(7)])
+    every._news.append(lambda: every._standings.token("a", "perception/other", True))
+    every._review()
+    assert every._first == {}
+
+
 def test_the_image_of_a_robot_that_another_process_served_is_not_answered_again(every, bus, clock):
     every._standings.token("a", "perception/other", True)
     every._take("a", [image(7)])

@@ -2,6 +2,7 @@
 
 import math
 import time
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -37,7 +38,12 @@ def stamped(stamp, frame):
     return written(kind(name)(header, twist()), name)
 
 
-def test_a_twist_is_of_now():
+def test_a_twist_is_of_when_it_was_sent():
+    reader = Reader(messages.twist(0.2, -0.5), sent=123_456_789_012)
+    assert commands.twist(reader, "ros2", 7).stamp == 123_456_789_012
+
+
+def test_a_twist_that_was_sent_at_an_unknown_time_is_of_now():
     before = time.time_ns()
     velocity = commands.twist(written(twist(), "geometry_msgs/msg/Twist"), "ros2", 7)
     assert before <= velocity.stamp <= time.time_ns()
@@ -86,6 +92,27 @@ def test_odometry_comes_back_as_it_was():
     np.testing.assert_allclose(back.pose, ODOMETRY.pose)
     exact = {"pose": ODOMETRY.pose}
     assert back.model_copy(update=exact) == ODOMETRY
+
+
+def turned(*rotation):
+    """Odometry of this orientation."""
+    message = ROS.deserialize_cdr(messages.odometry(ODOMETRY, "base_link"), "nav_msgs/msg/Odometry")
+    quaternion = kind("geometry_msgs/msg/Quaternion")(*rotation)
+    moved = replace(message.pose, pose=replace(message.pose.pose, orientation=quaternion))
+    return written(replace(message, pose=moved), "nav_msgs/msg/Odometry")
+
+
+@pytest.mark.parametrize("length", [0.95, 1.0, 1.05])
+@pytest.mark.parametrize("heading", [0.5, math.pi / 2, -2.6])
+def test_the_heading_does_not_depend_on_the_length_of_the_quaternion(length, heading):
+    rotation = 0.0, 0.0, length * math.sin(heading / 2), length * math.cos(heading / 2)
+    assert commands.odometry(turned(*rotation)).pose[2] == pytest.approx(heading)
+
+
+@pytest.mark.parametrize("rotation", [(0,) * 4, (0, 0, 0.5, 0.5), (0, 0, 1, 1), (0, 0, math.nan, 1), (math.inf,) * 4])
+def test_odometry_whose_orientation_is_none_is_refused(rotation):
+    with pytest.raises(CdrError, match=r"orientation has length .*, expected 1"):
+        commands.odometry(turned(*map(float, rotation)))
 
 
 def test_odometry_without_numbers_is_refused():
