@@ -23,7 +23,8 @@ from cliffscan.common.runtime.bus import Bus
 from cliffscan.common.runtime.config import BASES
 from cliffscan.common.runtime.service import PATIENCE
 from cliffscan.common.runtime.stop_signal import StopSignal
-from cliffscan.drive import PRIORITY
+from cliffscan.drive import PRIORITY, stand
+from cliffscan.hang_up import hang_up_stops
 from cliffscan.plain import plain
 
 SOURCE = "calibrate"
@@ -145,7 +146,7 @@ class Trials:
         try:
             return [self._one(kind, speed) for speed in speeds]
         finally:
-            self._command(kind, 0.0)
+            stand(self._velocity, SOURCE)
 
     def _one(self, kind: Kind, speed: float) -> Stop:
         """Get to a speed, hold it for a moment, and stop. Raises NotMeasured."""
@@ -202,11 +203,12 @@ def measure_base(bus: Bus, free: float, most: float, turn: float, stop: StopSign
     free: [m] ahead of the robot; most: [m/s] and turn: [rad/s] it drives and turns with at the most.
     """
     try:
-        trials = Trials(bus, stop)
-        trials.wait()
-        speed = fastest_on(free, most)
-        _ask(speed, free, stop)
-        drives, turns = trials.stops("drive", speed), trials.stops("turn", turn)
+        with hang_up_stops(stop):
+            trials = Trials(bus, stop)
+            trials.wait()
+            speed = fastest_on(free, most)
+            _ask(speed, free, stop)
+            drives, turns = trials.stops("drive", speed), trials.stops("turn", turn)
         table = next((name for name in reversed(BASES) if name in bus.alive()), BASES[0])
         print(lines(table, brakes_of(drives), brakes_of(turns)))
     except NotMeasured as why:
