@@ -99,9 +99,11 @@ class Track:
 
     def since(self, kind: Kind, seconds: float) -> float:
         """How far it has gone or turned in the last `seconds`."""
-        begin = self._recent[-1][0] - seconds
-        then = next((each for each in self._recent if each[0] >= begin), self._recent[-1])
-        return self.at(kind) - then[1 if kind == "drive" else 2]
+        recent = tuple(self._recent)  # odometry that comes meanwhile would end a walk over the deque itself
+        begin = recent[-1][0] - seconds
+        then = next(each for each in recent if each[0] >= begin)
+        place = 1 if kind == "drive" else 2
+        return recent[-1][place] - then[place]
 
     def _moved(self, payload: bytes) -> None:
         with suppress(MessageError):  # the gate counts and logs those

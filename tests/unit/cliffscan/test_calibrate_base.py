@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from cliffscan import calibrate_base
 from cliffscan.calibrate import NotMeasured
-from cliffscan.calibrate_base import Brakes, Stop, brakes_of, fastest_on, lines, measure_base
+from cliffscan.calibrate_base import Brakes, Stop, Track, brakes_of, fastest_on, lines, measure_base
 from cliffscan.cli import build_parser
 from cliffscan.common.contract.base_messages import Odometry
 from cliffscan.common.contract.topics import ODOMETRY
@@ -75,7 +75,7 @@ class FreeFloor:
 
     robot = "turtlebot"
 
-    def __init__(self, when_it_drives):
+    def __init__(self, when_it_drives=None):
         self.linear = []  # [m/s] of all commands
         self._when_it_drives = when_it_drives
         self._x = 0.0  # [m]
@@ -83,7 +83,7 @@ class FreeFloor:
     def subscribe(self, path, receive):
         if path == ODOMETRY.path:
             self._receive = receive
-            self._publish()
+            self.publish()
 
     def publisher(self, _topic):
         return self
@@ -92,11 +92,12 @@ class FreeFloor:
         first = velocity.linear and not any(self.linear)
         self.linear.append(velocity.linear)
         self._x += velocity.linear * calibrate_base.PERIOD
-        self._publish()
+        self.publish()
         if first:
             self._when_it_drives()
 
-    def _publish(self):
+    def publish(self):
+        """Publish where it is."""
         at = Odometry(
             stamp=time.time_ns(),
             frame="odom",
@@ -133,3 +134,28 @@ def test_a_signal_while_it_drives_commands_it_to_stand_several_times(number, mon
     assert bus.linear[0] > 0.0
     assert set(bus.linear[1:]) == {0.0}
     assert "ended before all was measured" in capsys.readouterr().err
+
+
+class WhileMoreComes:
+    """A span of time without the first message; while that one is compared with its begin, another one comes."""
+
+    def __init__(self, bus):
+        self._bus = bus
+        self._more = True
+
+    def __rsub__(self, _now):
+        return self
+
+    def __le__(self, _then):
+        if self._more:
+            self._more = False
+            self._bus.publish()
+            return False
+        return True
+
+
+def test_odometry_that_comes_while_it_is_looked_at_ends_nothing():
+    bus = FreeFloor()
+    track = Track(bus)
+    bus.publish()
+    assert track.since("drive", WhileMoreComes(bus)) == 0.0
