@@ -70,6 +70,23 @@ def test_each_part_begins_with_what_is_latched(limits, tmp_path):
     assert found == [sample(number).payload for number in range(4)]
 
 
+def test_a_recording_that_cannot_go_on_leaves_a_whole_file(tmp_path):
+    later = tmp_path / "drive_1.mcap"
+    later.write_text("of somebody else")
+
+    def go_on():
+        with Parts(tmp_path / "drive.mcap", "turtlebot", Limits(size=1), None) as parts:
+            parts.add(sample(0))
+            parts.flush()
+
+    with pytest.raises(FileExistsError):
+        go_on()
+    recording = Recording(tmp_path / "drive_0.mcap")
+    assert list(recording.samples()) == [sample(0)]
+    assert recording.damage.words == ""
+    assert later.read_text() == "of somebody else"
+
+
 def test_one_file_is_named_as_it_was_asked_for(tmp_path):
     with Parts(tmp_path / "drive.mcap", "turtlebot", Limits(), None) as parts:
         parts.add(sample(0))
