@@ -165,3 +165,18 @@ def test_a_battery_is_not_recorded_as_often_as_a_base_speaks(tmp_path):
     _, counts = by_rosbags(tmp_path / "a.mcap")
     assert counts["/cliffscan/native"] == 500
     assert 10 <= counts["/battery_state"] <= 20
+
+
+def test_a_clock_that_is_set_back_does_not_end_the_ros_topics(tmp_path):
+    """For as long as it was set back, nothing more of what has a pace was made, and no image."""
+    hour = 3600 * 10**9  # [ns]
+    image = next(drive(1))
+    with Parts(tmp_path / "a.mcap", "turtlebot", Limits(), images=1.0) as parts:
+        for begin in (10**18, 10**18 - hour):
+            for number in range(100):  # 2 s
+                received = begin + number * 20_000_000  # [ns]
+                parts.add(RawSample("base/state", "application/msgpack", received, b"", payload(STATE)))
+                parts.add(RawSample("camera/depth", "application/msgpack", received, b"", image.encode()))
+    _, counts = by_rosbags(tmp_path / "a.mcap")
+    assert counts["/battery_state"] >= 2 * 2
+    assert counts["/camera/depth/image_rect_raw"] == 2 * 2
