@@ -23,7 +23,8 @@ from cliffscan.common.runtime.bus import Bus
 from cliffscan.common.runtime.config import BASES
 from cliffscan.common.runtime.service import PATIENCE
 from cliffscan.common.runtime.stop_signal import StopSignal
-from cliffscan.drive import PRIORITY
+from cliffscan.drive import PRIORITY, stand
+from cliffscan.hang_up import hang_up_stops
 from cliffscan.plain import plain
 
 SOURCE = "calibrate"
@@ -98,9 +99,11 @@ class Track:
 
     def since(self, kind: Kind, seconds: float) -> float:
         """How far it has gone or turned in the last `seconds`."""
-        begin = self._recent[-1][0] - seconds
-        then = next((each for each in self._recent if each[0] >= begin), self._recent[-1])
-        return self.at(kind) - then[1 if kind == "drive" else 2]
+        recent = tuple(self._recent)  # odometry that comes meanwhile would end a walk over the deque itself
+        begin = recent[-1][0] - seconds
+        then = next(each for each in recent if each[0] >= begin)
+        place = 1 if kind == "drive" else 2
+        return recent[-1][place] - then[place]
 
     def _moved(self, payload: bytes) -> None:
         with suppress(MessageError):  # the gate counts and logs those
@@ -145,7 +148,7 @@ class Trials:
         try:
             return [self._one(kind, speed) for speed in speeds]
         finally:
-            self._command(kind, 0.0)
+            stand(self._velocity, SOURCE)
 
     def _one(self, kind: Kind, speed: float) -> Stop:
         """Get to a speed, hold it for a moment, and stop. Raises NotMeasured."""
@@ -202,11 +205,12 @@ def measure_base(bus: Bus, free: float, most: float, turn: float, stop: StopSign
     free: [m] ahead of the robot; most: [m/s] and turn: [rad/s] it drives and turns with at the most.
     """
     try:
-        trials = Trials(bus, stop)
-        trials.wait()
-        speed = fastest_on(free, most)
-        _ask(speed, free, stop)
-        drives, turns = trials.stops("drive", speed), trials.stops("turn", turn)
+        with hang_up_stops(stop):
+            trials = Trials(bus, stop)
+            trials.wait()
+            speed = fastest_on(free, most)
+            _ask(speed, free, stop)
+            drives, turns = trials.stops("drive", speed), trials.stops("turn", turn)
         table = next((name for name in reversed(BASES) if name in bus.alive()), BASES[0])
         print(lines(table, brakes_of(drives), brakes_of(turns)))
     except NotMeasured as why:

@@ -13,6 +13,7 @@ from typing import get_args
 
 from cliffscan.calibrate import calibrate
 from cliffscan.calibrate_base import measure_base
+from cliffscan.closed_pipe import quiet_where_nobody_reads
 from cliffscan.common.contract.roles import ROUTER, WORKSTATION_ROUTER
 from cliffscan.common.contract.topics import ROBOT_NAME
 from cliffscan.common.runtime import config as configuration
@@ -368,13 +369,14 @@ def build_parser() -> argparse.ArgumentParser:
 
 def main() -> None:
     """Run one command; leaves with its exit code."""
-    parser = build_parser()
-    arguments = parser.parse_args()
-    logging.basicConfig(level=logging.INFO, format="%(asctime)s %(levelname)s %(name)s: %(message)s")
-    try:
-        code = arguments.command(arguments, StopSignal())
-    except ConfigRefused:
-        code = USAGE_ERROR  # the service has said why
-    except (BusError, ConfigError, SecureError) as error:
-        parser.exit(USAGE_ERROR, f"cliffscan: {error}\n")
-    parser.exit(code)
+    with quiet_where_nobody_reads():
+        parser = build_parser()
+        arguments = parser.parse_args()
+        logging.basicConfig(level=logging.INFO, format="%(asctime)s %(levelname)s %(name)s: %(message)s")
+        try:
+            code = arguments.command(arguments, StopSignal())
+        except ConfigRefused:
+            code = USAGE_ERROR  # the service has said why
+        except (BusError, ConfigError, SecureError) as error:
+            parser.exit(USAGE_ERROR, f"cliffscan: {error}\n")
+        parser.exit(code)

@@ -83,6 +83,23 @@ def _follow(stop: StopSignal, pad: KeyPad, terminal: Terminal, orders: Orders, w
             terminal.draw(screen(lines(board.view(orders.note, now)), *terminal.size()))
 
 
+def stand(publisher: Publisher[Velocity], source: str) -> None:
+    """Command the robot to stand, several times: one command might be dropped by a full link.
+
+    It sleeps in between, for a StopSignal that is set waits no longer.
+    """
+    for _ in range(FAREWELL - 1):
+        _publish(publisher, STILL, source)
+        time.sleep(PERIOD)
+    _publish(publisher, STILL, source)
+
+
+def _publish(publisher: Publisher[Velocity], motion: Motion, source: str) -> None:
+    publisher.put(
+        Velocity(stamp=time.time_ns(), linear=motion.linear, angular=motion.angular, source=source, priority=PRIORITY)
+    )
+
+
 class Wheels:
     """Publishes the velocity: at once when it changes, every PERIOD while it is wanted, and zero at the end."""
 
@@ -95,10 +112,7 @@ class Wheels:
         return self
 
     def __exit__(self, *_why: object) -> None:
-        self._say(STILL)
-        for _ in range(FAREWELL - 1):  # one might be dropped by a full link
-            time.sleep(PERIOD)
-            self._say(STILL)
+        stand(self._publisher, SOURCE)
 
     def turn(self, motion: Motion | None, now: float) -> None:
         """Ask for a motion, or for none at all."""
@@ -107,14 +121,7 @@ class Wheels:
         self.due = now + PERIOD
         self._motion = motion
         if motion is not None:
-            self._say(motion)
-
-    def _say(self, motion: Motion) -> None:
-        self._publisher.put(
-            Velocity(
-                stamp=time.time_ns(), linear=motion.linear, angular=motion.angular, source=SOURCE, priority=PRIORITY
-            )
-        )
+            _publish(self._publisher, motion, SOURCE)
 
 
 class Terminal:

@@ -34,10 +34,10 @@ def echo(bus: Bus, path: str, count: int, timeout: float, full: bool, stop: Stop
         if arrived:
             print(_printable(*arrived, full), flush=True)
             printed += 1
-        elif timeout and passed > timeout:
+        if timeout and passed > timeout and not (count and printed == count):
             _complain(f"{printed} of {count or 'all'} messages" if printed else "nothing", bus, path, timeout, stop)
             return 1
-        elif not timeout and not printed and not reported and passed > QUIET:
+        if not timeout and not printed and not reported and passed > QUIET:
             reported = True
             _complain("nothing yet", bus, path, QUIET, stop)
     return 0

@@ -51,7 +51,7 @@ def check_free(endpoint: str) -> None:
     protocol, host, port = parse(endpoint)
     if protocol not in ("tcp", "tls") or not port:
         return  # the router says what is wrong
-    with suppress(socket.gaierror):
+    with suppress(socket.gaierror, UnicodeError):  # no name, or what can be none
         for family, *_, where in socket.getaddrinfo(host, port, type=socket.SOCK_STREAM):
             try:
                 socket.create_server(where[:2], family=family).close()

@@ -6,10 +6,12 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
+from pydantic import TypeAdapter
+
 from cliffscan.clocks import Clocks
 from cliffscan.common.contract.camera import FloorPlane
 from cliffscan.common.contract.description import BodyDescription, CameraDescription, RobotDescription
-from cliffscan.common.contract.message import MessageError, unpack
+from cliffscan.common.contract.message import MessageError, Stamp, unpack
 from cliffscan.common.contract.messages import ServiceStatus
 from cliffscan.common.contract.topics import (
     DEPTH,
@@ -27,6 +29,7 @@ from cliffscan.doctor.stream import Arrival
 from cliffscan.health import LastStatus
 from cliffscan.parts import KOBUKI
 
+STAMP = TypeAdapter(Stamp)
 STREAMS = (DEPTH, SCAN_POSITIVE, SCAN_NEGATIVE, SCAN_FUSED, ODOMETRY)
 
 
@@ -79,7 +82,7 @@ class Observation:
     def _take_sample(self, path: str, payload: bytes, at: int) -> None:
         """Only the head of a sample is looked at: what is in it, services have checked."""
         fields = unpack(payload, most_bytes(path))
-        stamp = int(fields["stamp"])
+        stamp = STAMP.validate_python(fields["stamp"], strict=True)
         self.streams.setdefault(path, []).append(Arrival(int(fields.get("seq", -1)), stamp, at, len(payload)))
         if path == DEPTH.path:
             nx, ny, nz, d = map(float, fields["floor"])

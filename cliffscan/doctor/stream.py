@@ -27,11 +27,12 @@ def measure(arrivals: list[Arrival]) -> Stream:
     """The figures of the samples of a key in the order in which they came; all zero for fewer than two."""
     if len(arrivals) < 2:
         return Stream(0.0, 0.0, 0.0, 0.0)
-    table = np.array(arrivals, np.int64)
-    seqs, ways = table[:, 0], table[:, 2] - table[:, 1]
-    seconds = max((table[-1, 2] - table[0, 2]) * 1e-9, 1e-9)
+    seqs = np.array([each.seq for each in arrivals], object)  # the contract's go beyond int64
+    stamps, times, sizes = np.array([each[1:] for each in arrivals], np.int64).T
+    ways = times - stamps
+    seconds = max((times[-1] - times[0]) * 1e-9, 1e-9)
     steps = np.diff(seqs)
     forward = steps[steps > 0]  # a writer that starts again begins again
     lost = float((forward - 1).sum() / forward.sum()) if len(forward) else 0.0
     jitter = float(np.percentile(ways, 99) - ways.min()) * 1e-9
-    return Stream((len(arrivals) - 1) / seconds, float(table[1:, 3].sum()) / seconds, lost, jitter)
+    return Stream((len(arrivals) - 1) / seconds, float(sizes[1:].sum()) / seconds, lost, jitter)

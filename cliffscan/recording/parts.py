@@ -1,5 +1,6 @@
 """A recording that may go on in a further file, each of which can be read alone."""
 
+import re
 import time
 from pathlib import Path
 from typing import NamedTuple, Self
@@ -25,6 +26,13 @@ class Limits(NamedTuple):
     def file(self, path: Path, number: int) -> Path:
         """The name of a file: `path` itself, or FILE_0.mcap and so on where there may be several."""
         return path.with_stem(f"{path.stem}_{number}") if self.split else path
+
+    def taken(self, path: Path) -> Path | None:
+        """A file that is there and has one of the names; None where there is none."""
+        if not self.split:
+            return path if path.exists() else None
+        name = re.compile(f"{re.escape(path.stem)}_[0-9]+{re.escape(path.suffix)}")
+        return min((each for each in path.parent.glob("*") if name.fullmatch(each.name)), default=None)
 
 
 class Parts:
@@ -86,19 +94,19 @@ class Parts:
         self._file.flush()
         seconds, size = self._limits.seconds, self._limits.size
         if (size and self._file.size >= size) or (seconds and time.monotonic() >= self._begun + seconds):
-            self._file.__exit__()
-            self._finished += self._file.size
-            self._file = self._open()
+            full, self._file = self._file, self._open()  # where there is no next file, this one is left whole
+            full.__exit__()
+            self._finished += full.size
             for sample in self._descriptions.values():
                 self._file.add(NATIVE, self._now, wrap(self._robot, sample._replace(received=self._now)))
             for topic, payload in self._latched.items():
                 self._file.add(topic, self._now, payload)
 
     def _open(self) -> McapFile:
-        path = self._limits.file(self._path, self._number)
+        file = McapFile(self._limits.file(self._path, self._number), self._robot)
         self._number += 1
         self._begun = time.monotonic()
-        return McapFile(path, self._robot)
+        return file
 
     def _write_ros(self, topic: RosTopic, payload: bytes) -> None:
         if topic.profile is Profile.LATCHED:

@@ -11,10 +11,10 @@ from cliffscan.common.runtime.config import BASES
 from cliffscan.common.runtime.raw_samples import RawPublisher, RawSample, RawSamples, key_matcher
 from cliffscan.common.runtime.stop_signal import StopSignal
 from cliffscan.recording.reading import Recording
+from cliffscan.recording.recorded_clock import LONGEST, SECOND, Elapsed
 from cliffscan.recording.words import duration, report
 
 COMMANDS = (VELOCITY.path, VELOCITY_SAFE.path, command("**"))
-SECOND = 1_000_000_000  # [ns]
 
 
 class Options(NamedTuple):
@@ -44,6 +44,11 @@ def play(bus: Bus, recording: Recording, options: Options, stop: StopSignal) -> 
     if player.left_out:
         counts = ", ".join(f"{count} of {path}" for path, count in sorted(player.left_out.items()))
         report(f"left out commands to a base: {counts}; --commands plays them")
+    if player.passed_over:
+        report(
+            f"passed over {duration(player.passed_over)} without a sample: the clock was set, or the recorder stood"
+            f" still; what is shorter than {duration(LONGEST / SECOND)} is waited for"
+        )
     if recording.damage.words:
         report(f"the file is broken: {recording.damage.words}")
     if not player.played and not stop.is_set():
@@ -64,16 +69,17 @@ class Player:
         self._publishers: dict[tuple[str, str], RawPublisher] = {}
         self._keep: Callable[[RawSample], None] | None = None
         self.played = 0
+        self.passed_over = 0.0  # [s] the longest time without a sample that was passed over
         self.left_out: Counter[str] = Counter()
 
     def play(self, samples: Iterator[RawSample]) -> bool:
         """Play all samples once; False where there was none, or it was stopped."""
-        first = began = None
+        began, elapsed = None, Elapsed()
         for sample in samples:
-            first = sample.received if first is None else first
+            after = elapsed.at(sample.received) - self._options.start
+            self.passed_over = max(self.passed_over, elapsed.longest)
             if not self._chosen(sample.path):
                 continue
-            after = (sample.received - first) / SECOND - self._options.start
             if after >= 0.0:
                 began = time.monotonic() if began is None else began
                 due = began + after / self._options.rate

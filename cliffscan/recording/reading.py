@@ -1,12 +1,13 @@
 """Reads recordings in the order they were written, also those whose writer was killed."""
 
 import struct
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import NamedTuple
 
 from mcap.exceptions import McapError
-from mcap.records import Channel, Chunk, Header, McapRecord, Message, Metadata, Schema
+from mcap.reader import make_reader
+from mcap.records import Channel, Chunk, Header, McapRecord, Message, MessageIndex, Metadata, Schema
 from mcap.stream_reader import CRCValidationError, StreamReader, breakup_chunk
 from zstandard import ZstdError
 
@@ -17,6 +18,7 @@ from cliffscan.recording.errors import RecordingError
 from cliffscan.recording.mcap_file import METADATA
 from cliffscan.services.ros2.cdr import CdrError
 
+NO_SCHEMA = 0  # of a channel that has none
 MAGIC = b"\x89MCAP0\r\n"
 DAMAGE = (McapError, CRCValidationError, ZstdError, ValueError, RuntimeError, struct.error)
 
@@ -27,6 +29,7 @@ class Damage(NamedTuple):
     chunks: int = 0  # whole ones that hold something else than they should
     rest: int = 0  # [bytes] at the end after the last whole record
     finished: bool = True  # whether the writer came to an end
+    messages: int = 0  # that were in those chunks, or whose channel was
 
     @property
     def words(self) -> str:
@@ -36,6 +39,8 @@ class Damage(NamedTuple):
             said.append(f"its last {self.rest} bytes are no whole chunk")
         if self.chunks:
             said.append(f"{self.chunks} chunks hold something else than they should")
+        if self.messages:
+            said.append(f"{self.messages} messages cannot be read")
         return ", ".join(said)
 
 
@@ -55,9 +60,14 @@ class McapRecords:
             raise RecordingError(f"{path} is no MCAP file: it does not begin as one")
 
     def __iter__(self) -> Iterator[McapRecord]:
-        """All records in the order they were written, without chunks around them."""
-        damaged = whole = 0
-        finished = True
+        """All records in the order they were written, without chunks around them.
+
+        After a chunk that cannot be read come the schemas and channels of the summary, where there is one: theirs may
+        have been in it. A channel without its schema and a message without its channel are left out.
+        """
+        known = _Known()
+        chunks = indexed = whole = 0
+        readable = finished = True
         with self.path.open("rb") as file:
             records = StreamReader(file, emit_chunks=True).records
             while True:
@@ -69,11 +79,58 @@ class McapRecords:
                 except DAMAGE:
                     finished = False
                     break
-                try:
-                    yield from breakup_chunk(record, validate_crc=True) if isinstance(record, Chunk) else (record,)
-                except DAMAGE:
-                    damaged += 1
-        self.damage = Damage(damaged, 0 if finished else self.path.stat().st_size - whole, finished)
+                if isinstance(record, Chunk):
+                    inside = _inside(record)
+                    readable = inside is not None
+                    chunks += not readable
+                    yield from known.of(self._kinds() if inside is None else inside)
+                else:
+                    if isinstance(record, MessageIndex) and not readable:  # of the chunk before it
+                        indexed += len(record.records)
+                    yield from known.of([record])
+        rest = 0 if finished else self.path.stat().st_size - whole
+        self.damage = Damage(chunks, rest, finished, indexed + known.strangers)
+
+    def _kinds(self) -> list[McapRecord]:
+        """All schemas and channels, as the summary at the end of a finished file has them."""
+        with self.path.open("rb") as file:
+            try:
+                summary = make_reader(file).get_summary()
+            except (*DAMAGE, StopIteration, OSError):
+                return []
+        return [*summary.schemas.values(), *summary.channels.values()] if summary else []
+
+
+class _Known:
+    """Schemas and channels that have been read."""
+
+    def __init__(self) -> None:
+        self.strangers = 0  # messages of a channel that is not known
+        self._schemas = {NO_SCHEMA}
+        self._channels: set[int] = set()
+
+    def of(self, records: Iterable[McapRecord]) -> Iterator[McapRecord]:
+        """The records that can be understood."""
+        for record in records:
+            match record:
+                case Schema():
+                    self._schemas.add(record.id)
+                case Channel() if record.schema_id in self._schemas:
+                    self._channels.add(record.id)
+                case Channel():
+                    continue
+                case Message() if record.channel_id not in self._channels:
+                    self.strangers += 1
+                    continue
+            yield record
+
+
+def _inside(chunk: Chunk) -> list[McapRecord] | None:
+    """The records of a chunk; None where it holds something else than it should."""
+    try:
+        return breakup_chunk(chunk, validate_crc=True)
+    except DAMAGE:
+        return None
 
 
 class Recording:

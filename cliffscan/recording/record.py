@@ -72,12 +72,14 @@ class Inbox:
 
 def check(options: Options) -> None:
     """Raises FileExistsError, OSError for a folder that is not there, RecordingError where the disk is full."""
-    first = options.limits.file(options.path, 0)
-    if first.exists():
-        raise FileExistsError(errno.EEXIST, "exists", str(first))
+    taken = options.limits.taken(options.path)
+    if taken:
+        raise FileExistsError(errno.EEXIST, "exists", str(taken))
     if _room(options) <= 0:
         left = size(options.reserve)
-        raise RecordingError(f"{first}: its disk has less than {left} left: make room, or lower --reserve")
+        raise RecordingError(
+            f"{options.limits.file(options.path, 0)}: its disk has less than {left} left: make room, or lower --reserve"
+        )
 
 
 def record(bus: Bus, options: Options, stop: StopSignal) -> int:

@@ -7,14 +7,15 @@ from mcap.records import Attachment, Channel, Header, Message, Metadata, Schema
 from mcap.writer import Writer
 
 from cliffscan.recording.errors import RecordingError
-from cliffscan.recording.reading import McapRecords
+from cliffscan.recording.reading import NO_SCHEMA, McapRecords
 from cliffscan.recording.words import duration, size
-
-NO_SCHEMA = 0
 
 
 def recover(broken: Path, fixed: Path) -> int:
-    """Copy every message that can be read, of any MCAP file. Raises RecordingError, FileExistsError and OSError."""
+    """Copy every message that can be read, of any MCAP file; 1 where none can.
+
+    Raises RecordingError, FileExistsError and OSError.
+    """
     records = McapRecords(broken)
     if not isinstance(next(iter(records), None), Header):
         raise RecordingError(f"{broken} holds no whole record: there is nothing to recover")
@@ -25,8 +26,9 @@ def recover(broken: Path, fixed: Path) -> int:
         writer.finish()
     span = duration((writer.last - writer.first) * 1e-9) if writer.messages else duration(0.0)
     print(f"cliffscan: {fixed}: {writer.messages} messages, {span}, {size(fixed.stat().st_size)}", file=sys.stderr)
-    print(f"cliffscan: {broken}: {records.damage.words or 'nothing was wrong'}", file=sys.stderr)
-    return 0
+    damage = records.damage.words
+    print(f"cliffscan: {broken}: {damage or 'nothing was wrong'}", file=sys.stderr)
+    return 1 if damage and not writer.messages else 0
 
 
 class _Copy:
@@ -51,7 +53,7 @@ class _Copy:
                 self._channels[record.id] = self._writer.register_channel(
                     record.topic, record.message_encoding, schema, record.metadata
                 )
-            case Message() if record.channel_id in self._channels:
+            case Message():
                 self._message(record, self._channels[record.channel_id])
             case Metadata():
                 self._writer.add_metadata(record.name, record.metadata)

@@ -11,6 +11,7 @@ from cliffscan.common.runtime.metrics import ServiceMetrics
 from cliffscan.common.runtime.pace import Pace
 from cliffscan.common.runtime.raw_samples import RawSample, key_matcher
 from cliffscan.recording.mcap_file import RosTopic
+from cliffscan.recording.recorded_clock import SECOND, was_set_back
 from cliffscan.services.ros2.config import Ros2Config
 from cliffscan.services.ros2.interfaces import Interface
 from cliffscan.services.ros2.node import Profile
@@ -18,7 +19,6 @@ from cliffscan.services.ros2.outputs import feeds
 
 M = TypeVar("M", bound=Message)
 Receive = Callable[[str, bytes], object]
-SECOND = 1_000_000_000  # [ns]
 
 
 class RosView:
@@ -55,9 +55,12 @@ class RosView:
 
     def take(self, sample: RawSample) -> None:
         """Write what is made of a sample."""
+        if was_set_back(self.bus.now, sample.received):
+            self._next_image = 0.0
+            self.bus.begin_paces_anew()
+        self.bus.now = sample.received
         if sample.path == DEPTH.path and not self._image_due(sample.received):
             return
-        self.bus.now = sample.received
         for receive in self.bus.receivers(sample.path):
             receive(sample.path, sample.payload)
 
@@ -88,6 +91,7 @@ class _Samples:
         self.robot = robot
         self.now = 0  # [ns] when the sample came that is taken
         self._receivers: list[tuple[Callable[[str], bool], Receive]] = []
+        self._paces: list[Pace] = []
         self.receivers = lru_cache(1024)(self._find)
 
     def beside(self, robot: str) -> "_Samples":  # noqa: ARG002 - there is one robot
@@ -103,6 +107,8 @@ class _Samples:
     ) -> None:
         """As of the bus, but what would wait for its turn is left out."""
         pace = Pace(rate, room) if rate else None
+        if pace:
+            self._paces.append(pace)
 
         def take(path: str, payload: bytes) -> None:
             now = self.now / SECOND
@@ -113,6 +119,11 @@ class _Samples:
                 receive(path, payload)
 
         self._receivers.append((key_matcher([path]), take))
+
+    def begin_paces_anew(self) -> None:
+        """The clock was set back: what came before says nothing of how fast samples come now."""
+        for pace in self._paces:
+            pace.begin_anew()
 
     def retract(self) -> None:
         """Nothing is taken back: every topic is wanted for as long as the recording lasts."""

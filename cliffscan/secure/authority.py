@@ -11,6 +11,8 @@ from cryptography.hazmat.primitives.asymmetric import ec
 from cryptography.hazmat.primitives.asymmetric.types import CertificatePublicKeyTypes
 from cryptography.x509.oid import ExtendedKeyUsageOID, NameOID
 
+from cliffscan.common.runtime.secure import SecureError
+
 CA_NAME = "cliffscan CA"
 CA_LIFE = timedelta(days=3650)
 EARLIER = timedelta(hours=1)  # a certificate holds for a clock that is a little behind
@@ -74,7 +76,7 @@ def issue(
         .add_extension(x509.AuthorityKeyIdentifier.from_issuer_public_key(authority.key.public_key()), critical=False)
     )
     if hosts is not None:
-        names = [_host(each) for each in dict.fromkeys((*THIS_MACHINE, *hosts))]
+        names = [host_name(each) for each in dict.fromkeys((*THIS_MACHINE, *hosts))]
         builder = builder.add_extension(x509.SubjectAlternativeName(names), critical=False)
     return builder.sign(authority.key, hashes.SHA256())
 
@@ -101,8 +103,15 @@ def _name(robot: str, role: str) -> x509.Name:
     )
 
 
-def _host(text: str) -> x509.GeneralName:
+def host_name(text: str) -> x509.GeneralName:
+    """A host as a certificate names it. Raises SecureError."""
     try:
         return x509.IPAddress(ipaddress.ip_address(text))
     except ValueError:
+        pass
+    try:
         return x509.DNSName(text)
+    except ValueError as error:
+        raise SecureError(
+            f"--host {text}: a certificate names hosts in ASCII; write it as xn--… or its address"
+        ) from error

@@ -31,7 +31,7 @@ from cliffscan.common.runtime.secure import (
 )
 from cliffscan.common.runtime.suggest import suggest
 from cliffscan.secure import role_file
-from cliffscan.secure.authority import LONGEST_NAME, Authority, issue, make_authority, new_key
+from cliffscan.secure.authority import LONGEST_NAME, Authority, host_name, issue, make_authority, new_key
 from cliffscan.secure.role_file import MadeFor
 
 CA, MADE_FOR = "ca", "made_for.json"
@@ -47,17 +47,19 @@ class KeyFolder:
         self._ca = self.directory / CA
 
     def init(self, robot: str, hosts: Sequence[str], life: timedelta = LIFE, ros_domain: int = DOMAIN) -> None:
-        """Make the CA and the keys of all roles. Raises SecureError where there are some."""
-        if self.directory.exists() and any(self.directory.iterdir()):
-            raise SecureError(
-                f"{self.directory}: is not empty: name another folder, or `cliffscan keys issue` or `renew`"
-            )
+        """Make the CA and the keys of all roles. Raises SecureError where there are some, before anything is made."""
         if len(robot) > LONGEST_NAME:
             raise SecureError(f"--robot {robot}: a certificate has room for {LONGEST_NAME} characters; name it shorter")
         if robot.partition("/")[0] == str(ros_domain):
             raise SecureError(f"--robot {robot}: its keys would be those of ROS domain {ros_domain}; name it otherwise")
+        for host in hosts:
+            host_name(host)
         authority = make_authority(robot)
         try:
+            if self.directory.exists() and any(self.directory.iterdir()):
+                raise SecureError(
+                    f"{self.directory}: is not empty: name another folder, or `cliffscan keys issue` or `renew`"
+                )
             _make_folder(self.directory)
             _make_folder(self._ca)
         except OSError as error:

@@ -1,9 +1,12 @@
 """`cliffscan view` from its options to its end."""
 
+import logging
+import os
 import socket
 import sys
 import threading
 from collections.abc import Collection
+from typing import NoReturn
 
 from cliffscan.common.runtime.network import Network
 from cliffscan.common.runtime.service import connect
@@ -18,8 +21,11 @@ EVERYWHERE = ("0.0.0.0", "::", "")  # noqa: S104 - compared with, not bound to
 
 def view(
     network: Network, robot: str, where: str, bind: str, port: int, origins: Collection[str], stop: StopSignal
-) -> int:
-    """Serve the page until Ctrl-C. Raises BusError, and ConfigError where the port cannot be had."""
+) -> NoReturn:
+    """Serve the page until Ctrl-C, and end the process.
+
+    Raises BusError, and ConfigError where the port cannot be had.
+    """
     access, robots = Access.to(bind, origins), Robots(robot, where)
     with Server(bind, port, access, robots) as server:
         print(f"cliffscan view: {address(bind, server.port, access.token)}", flush=True)
@@ -36,7 +42,10 @@ def view(
                 looking.start()
                 stop.wait()
                 looking.join(ENDING)
-    return 0
+    logging.shutdown()
+    sys.stdout.flush()
+    sys.stderr.flush()
+    os._exit(0)  # a thread that sends to a viewer that reads nothing would keep the interpreter from ending
 
 
 def address(bind: str, port: int, token: str) -> str:

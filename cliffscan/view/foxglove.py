@@ -7,18 +7,16 @@ import json
 import struct
 import threading
 from collections.abc import Callable
-from contextlib import suppress
 from typing import Any
 
 from websockets.exceptions import ConnectionClosed
 from websockets.sync.server import ServerConnection
 
-from cliffscan.common.contract.message import MessageError
 from cliffscan.recording.definitions import schema
-from cliffscan.services.ros2.cdr import CdrError
 from cliffscan.view.feeds import Feeds, Sample
 from cliffscan.view.foxglove_channels import Channel, Source, channels
 from cliffscan.view.outbox import Outbox
+from cliffscan.view.sending import send_all
 
 SUBPROTOCOLS = ("foxglove.sdk.v1", "foxglove.websocket.v1")
 MESSAGE_DATA = 1  # opcode
@@ -113,12 +111,7 @@ class FoxgloveClient:
         self._connection.send(json.dumps({"op": "status", "level": WARNING, "message": why}))
 
     def _send(self) -> None:
-        with suppress(ConnectionClosed):
-            while sent := self._outbox.take():
-                with suppress(MessageError, CdrError):  # it is decoded and converted only now
-                    body = sent.make()
-                    if body:
-                        self._connection.send(body)
+        send_all(self._outbox, lambda _number, body: self._connection.send(body))
 
 
 def _data(number: int, source: Source[Any], sample: Sample[Any]) -> bytes | None:

@@ -1,4 +1,8 @@
-"""All that viewers of one robot see. It is received while there is a viewer, and made when one has room for it."""
+"""All that viewers of one robot see. It is received while there is a viewer, and made when one has room for it.
+
+Each topic is received by a thread of its own, and a sender asks from another one. So copies are walked here: a walk
+over what another thread adds to is an error.
+"""
 
 import threading
 import time
@@ -134,7 +138,7 @@ class RobotView:
         """Whether anything of the robot is received."""
         now = time.monotonic()
         lives = any(health.state not in GONE for health in self._healths)
-        return lives or any(now - told.at < OLD for told in self._last.values())
+        return lives or any(now - told.at < OLD for told in list(self._last.values()))
 
     def state(self) -> dict[str, object]:
         """What the page shows beside its pictures; ages [s] are by this machine's clock."""
@@ -147,7 +151,7 @@ class RobotView:
             "services": [_service(health) for health in self._healths],
             "radius": self._ground.hull.outer,
             "footprint": self._ground.footprint,
-            "poses": {name: pose.pose for name, pose in self._poses.items()},
+            "poses": {name: pose.pose for name, pose in list(self._poses.items())},
         }
 
     def _offer(self, kind: str, make: Make) -> None:
@@ -163,7 +167,7 @@ class RobotView:
         pose = self._ground.see(scan)
         camera = self._ground.camera
         self._offer("scene", Once(lambda: scene(scan, pose, camera)))
-        image = next((each for each in self._images if each.fields.get("stamp") == scan.stamp), None)
+        image = next((each for each in tuple(self._images) if each.fields.get("stamp") == scan.stamp), None)
         if image is not None:
             self._offer("depth", Once(lambda: depth_picture(image.message, scan)))
         self._offer("ground", self._make_ground)

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from cliffscan.common.contract.message import MessageError
 from cliffscan.common.contract.topics import command
 from cliffscan.common.runtime.bus import Bus
+from cliffscan.common.runtime.reader import guarded
 from cliffscan.common.runtime.stop_signal import StopSignal
 from cliffscan.view.robot_view import RobotView
 from cliffscan.view.words import notice
@@ -87,15 +88,15 @@ class Robots:
         """Look, while anybody does, until asked to end."""
         while not stop.is_set():
             if self._looked_at.wait(TURN):
-                self._look()
+                guarded("the robots", self._look)
                 stop.wait(TURN)
 
     def _look(self) -> None:
         if self._bus is not None and self._bus.connected:
             self._names = sorted(self._bus.robots(LOOK))
             for view in list(self._views.values()):
-                view.examine()
+                guarded(f"robot {view.robot}", view.examine)
         else:
             self._names = []
         for look in self._lookers:
-            look()
+            guarded("a viewer", look)

@@ -3,19 +3,18 @@
 import json
 import threading
 from collections import deque
-from contextlib import suppress
 from typing import Any
 
 import numpy as np
 from websockets.exceptions import ConnectionClosed
 from websockets.sync.server import ServerConnection
 
-from cliffscan.common.contract.message import MessageError
 from cliffscan.common.contract.topics import ROBOT_NAME
 from cliffscan.view.outbox import Outbox
 from cliffscan.view.packet import numbered, packet
 from cliffscan.view.robot_view import PERIODS, Looker, RobotView
 from cliffscan.view.robots import ASKED, Robots
+from cliffscan.view.sending import send_all
 
 WINDOW = 60  # pictures over which the latency is told
 NOT_UNDERSTOOD = 1003  # a close code of RFC 6455
@@ -36,6 +35,7 @@ class Viewer:
         self._robot = robots.preferred
         self._following = threading.RLock()
         self._view: RobotView | None = None
+        self._left = False  # the page is closed, and follows nothing any more
         self._latencies: deque[float] = deque(maxlen=WINDOW)
         self._asking: dict[str, threading.Thread] = {}
 
@@ -44,8 +44,8 @@ class Viewer:
         sender = threading.Thread(target=self._send, name="view sender", daemon=True)
         leave = self._robots.watch(self._look)
         sender.start()
-        self._look()
         try:
+            self._look()
             for text in self._connection:
                 if not self._receive(text):
                     self._connection.close(NOT_UNDERSTOOD, "expected watch, ack or ask")
@@ -54,7 +54,9 @@ class Viewer:
             pass
         finally:
             leave()
-            self._follow(None)
+            with self._following:
+                self._left = True
+                self._follow(None)
             self._outbox.close()
 
     def _receive(self, text: str | bytes) -> bool:
@@ -85,7 +87,7 @@ class Viewer:
     def _look(self) -> None:
         """Follow the robot as soon as there is a network, and offer how it fares."""
         with self._following:
-            if self._view is None:
+            if self._view is None and not self._left:  # who looks at all viewers may have begun before it left
                 self._follow(self._robots.view(self._robot))
         self._refresh()
 
@@ -118,16 +120,7 @@ class Viewer:
         self._outbox.offer(f"answer {name}", lambda: answer)
 
     def _send(self) -> None:
-        with suppress(ConnectionClosed):
-            while sent := self._outbox.take():
-                try:
-                    body = sent.make()
-                except MessageError:  # it is decoded only now
-                    body = None
-                if body is None:
-                    self._outbox.acknowledge(sent.number)
-                else:
-                    self._connection.send(numbered(sent.number, body))
+        send_all(self._outbox, lambda number, body: self._connection.send(numbered(number, body)))
 
 
 def _is_name(robot: str) -> bool:

@@ -16,3 +16,7 @@ class Pace:
     def spend(self, now: float) -> None:
         """A thing came through."""
         self._paid_until = max(self._paid_until, now) + self._interval
+
+    def begin_anew(self) -> None:
+        """Forget what came through, as where the caller's clock was set back."""
+        self._paid_until = 0.0

@@ -46,6 +46,8 @@ def why_unreachable(text: str, folder: Path | None) -> str:
         why = "" if connected else "no answer: is that machine on, and the port open in its firewall?"
     except socket.gaierror as error:
         why = f"{error.strerror}: is the name right?"
+    except UnicodeError:  # of the encoding of names
+        why = "no host can have that name: is it right?"
     except OSError as error:
         why = "" if connected else f"{error.strerror}: is a router running there?"
     return f"{text}: {why}" if why else ""

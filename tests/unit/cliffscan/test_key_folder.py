@@ -85,6 +85,19 @@ def test_a_robot_whose_keys_would_be_those_of_ros_gets_none(tmp_path, robot):
     assert not (tmp_path / "keys").exists()
 
 
+def test_a_host_that_no_certificate_can_name_is_refused_before_anything_is_made(tmp_path):
+    with pytest.raises(SecureError, match="--host rübe: a certificate names hosts in ASCII"):
+        KeyFolder(tmp_path / "keys").init("r", ["robot.local", "rübe"])
+    assert not (tmp_path / "keys").exists()
+
+
+@pytest.mark.parametrize("place", ["file", "file/keys"])
+def test_keys_are_not_made_where_a_file_is(tmp_path, place):
+    (tmp_path / "file").write_text("")
+    with pytest.raises(SecureError, match="Not a directory; name another folder"):
+        KeyFolder(tmp_path / place).init("r", [])
+
+
 def test_keys_are_never_overwritten(made):
     with pytest.raises(SecureError, match="is not empty"):
         KeyFolder(made).init("r", [])

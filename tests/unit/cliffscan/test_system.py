@@ -127,7 +127,9 @@ def test_an_endpoint_that_is_taken_is_refused():
         with pytest.raises(ConfigError, match=f"^{taken}: Address already in use; does cliffscan run already"):
             check_free(taken)
     check_free(taken)
+    check_free("tcp/robot..local:7447")  # no host can have that name: the router says so
     check_free("udp/127.0.0.1:1")
+    check_free("tcp/robot..local:7447")  # no host can have that name: the router says so
 
 
 @pytest.mark.parametrize("listen", [["tcp/0.0.0.0:7447"], ["tcp/127.0.0.1:1", "tcp/[::]:7447"]])

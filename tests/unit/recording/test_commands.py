@@ -60,9 +60,13 @@ def test_no_file_is_overwritten(refused, empty, tmp_path):
     expected = f"cliffscan: {empty} is there already: choose another name, or remove it"
     assert refused("record", empty) == expected
     assert refused("recover", empty, empty) == expected
-    first = tmp_path / "drive_0.mcap"
-    empty.rename(first)
-    assert refused("record", tmp_path / "drive.mcap", "--split-time", "9").startswith(f"cliffscan: {first} is there")
+
+
+@pytest.mark.parametrize("name", ["drive_0.mcap", "drive_1.mcap", "drive_12.mcap"])
+def test_no_part_of_a_recording_is_overwritten(name, refused, empty, tmp_path):
+    part = tmp_path / name
+    empty.rename(part)
+    assert refused("record", tmp_path / "drive.mcap", "--split-time", "9").startswith(f"cliffscan: {part} is there")
 
 
 def test_a_file_without_a_whole_record_is_not_recovered(refused, empty, tmp_path):

@@ -70,6 +70,23 @@ def test_each_part_begins_with_what_is_latched(limits, tmp_path):
     assert found == [sample(number).payload for number in range(4)]
 
 
+def test_a_recording_that_cannot_go_on_leaves_a_whole_file(tmp_path):
+    later = tmp_path / "drive_1.mcap"
+    later.write_text("of somebody else")
+
+    def go_on():
+        with Parts(tmp_path / "drive.mcap", "turtlebot", Limits(size=1), None) as parts:
+            parts.add(sample(0))
+            parts.flush()
+
+    with pytest.raises(FileExistsError):
+        go_on()
+    recording = Recording(tmp_path / "drive_0.mcap")
+    assert list(recording.samples()) == [sample(0)]
+    assert recording.damage.words == ""
+    assert later.read_text() == "of somebody else"
+
+
 def test_one_file_is_named_as_it_was_asked_for(tmp_path):
     with Parts(tmp_path / "drive.mcap", "turtlebot", Limits(), None) as parts:
         parts.add(sample(0))
@@ -148,3 +165,18 @@ def test_a_battery_is_not_recorded_as_often_as_a_base_speaks(tmp_path):
     _, counts = by_rosbags(tmp_path / "a.mcap")
     assert counts["/cliffscan/native"] == 500
     assert 10 <= counts["/battery_state"] <= 20
+
+
+def test_a_clock_that_is_set_back_does_not_end_the_ros_topics(tmp_path):
+    """For as long as it was set back, nothing more of what has a pace was made, and no image."""
+    hour = 3600 * 10**9  # [ns]
+    image = next(drive(1))
+    with Parts(tmp_path / "a.mcap", "turtlebot", Limits(), images=1.0) as parts:
+        for begin in (10**18, 10**18 - hour):
+            for number in range(100):  # 2 s
+                received = begin + number * 20_000_000  # [ns]
+                parts.add(RawSample("base/state", "application/msgpack", received, b"", payload(STATE)))
+                parts.add(RawSample("camera/depth", "application/msgpack", received, b"", image.encode()))
+    _, counts = by_rosbags(tmp_path / "a.mcap")
+    assert counts["/battery_state"] >= 2 * 2
+    assert counts["/camera/depth/image_rect_raw"] == 2 * 2

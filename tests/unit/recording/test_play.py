@@ -41,15 +41,19 @@ SAMPLES = [
 ]
 
 
+def scans(*seconds):
+    return [sample("scan/fused", each) for each in seconds]
+
+
 @pytest.fixture
 def played(monkeypatch):
-    """Play the samples: those that were put, and how long [s] was waited, on a clock that stands still."""
+    """Play samples: those that were put, and how long [s] was waited, on a clock that stands still."""
 
-    def run(**options):
+    def run(samples=SAMPLES, **options):
         network, stop = Network(), Stop()
         monkeypatch.setattr("time.monotonic", lambda: 100.0)
         player = Player(network, Options(**options), stop)
-        again = player.play(iter(SAMPLES))
+        again = player.play(iter(samples))
         return network, stop.waits, player, again
 
     return run
@@ -86,3 +90,25 @@ def test_chosen_keys_keep_the_recordings_beginning(played):
 @pytest.mark.parametrize("options", [{"start": 5.0}, {"keys": ["pose"]}, {"keys": ["base/cmd_vel"]}])
 def test_a_pass_that_plays_nothing_is_the_last(played, options):
     assert not played(**options)[3]
+
+
+@pytest.mark.parametrize(
+    ("times", "waits"),
+    [
+        ((0.0, 1.0, -3599.0, -3598.0), (0.0, 1.0, 1.0, 2.0)),
+        ((0.0, 1.0, 86_401.0, 86_402.0), (0.0, 1.0, 1.0, 2.0)),
+        ((0.0, 1.0, 0.9, 1.1, 1.0, 1.2), (0.0, 1.0, 1.0, 1.1, 1.1, 1.2)),  # written in another order
+        ((0.0, 59.0), (0.0, 59.0)),
+    ],
+)
+def test_a_clock_that_was_set_takes_no_time(played, times, waits):
+    network, waited, player, _ = played(scans(*times))
+    assert len(network.published) == len(times)
+    assert waited == pytest.approx(waits)
+    assert player.passed_over == (86_400.0 if max(times) > 60.0 else 0.0)
+
+
+def test_the_start_does_not_depend_on_a_clock_that_was_set(played):
+    network, waited, _, _ = played(scans(0.0, 1.0, -3599.0, -3598.0), start=2.0)
+    assert len(network.published) == 1
+    assert waited == [0.0]

@@ -146,6 +146,20 @@ def test_malformed_samples_are_told_and_nothing_else_happens(payload):
     assert set(found(seen)) == {"camera/depth"}
 
 
+@pytest.mark.parametrize("stamp", [2**64 - 1, 2**63, -1, 1.5, "1"])
+def test_a_stamp_that_is_none_is_malformed(stamp):
+    seen = observed()
+    for seq in range(3):
+        seen.take("scan/fused", msgpack.packb({"stamp": stamp, "seq": seq}), BEGIN)
+    assert seen.malformed == {"scan/fused"}
+    assert set(found(seen)) == {"scan/fused"}
+
+
+def test_the_highest_numbers_are_measured():
+    arrivals = [Arrival(2**64 - 4 + n, 2**63 - 1, n * SECOND, 100) for n in (0, 1, 3)]
+    assert measure(arrivals).lost == 1 / 3
+
+
 def test_a_stream_is_measured_across_a_restart_of_its_writer():
     seqs = [7, 8, 10, 0, 1, 2]
     arrivals = [Arrival(seq, n * SECOND, n * SECOND + 5, 100) for n, seq in enumerate(seqs)]
