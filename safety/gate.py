@@ -16,10 +16,10 @@ from cliffscan.safety.local_grid import RollingGrid
 from cliffscan.safety.pose2d import Pose2D
 from cliffscan.safety.rules import Decision, Situation
 from cliffscan.safety.scan_claims import Scan, View
-from cliffscan.safety.velocity_limiter import VelocityLimiter, room_to_turn
+from cliffscan.safety.velocity_limiter import STILL, VelocityLimiter, room_to_turn
 from cliffscan.safety.velocity_ramp import VelocityRamp
 
-CARRIED = 3.0  # [s] out of sight after which somebody may have carried the robot
+TURNED = 0.1  # [s] in which a robot turns so far that nobody knows its heading
 DOUBTED = 1.0  # [s] for which an odometry that contradicted itself is not driven by
 
 
@@ -33,7 +33,7 @@ class SafetyGate:
         self._grid = RollingGrid(pose, limits.start_free)
         self._limiter = VelocityLimiter(limits, self._grid)
         self._decided_at = -math.inf
-        self._going: tuple[float, float] | None = None  # as of the limiter, when the base was last heard
+        self._going = STILL  # when the base was last heard
         self._approach = ApproachMonitor()
         self.view = View.undescribed()  # what scans may claim to see
         self.stopped = ""  # why the emergency stop holds, or nothing
@@ -49,18 +49,18 @@ class SafetyGate:
         self._grid.follow(pose, Disc(self._limits.start_free))
 
     def restart(self, pose: Pose2D, away: float = math.inf) -> None:
-        """For `away` [s] nobody knew where the robot was; it is taken to be where it was, and may have rolled on.
+        """For `away` [s] nobody knew how the robot moved: it is taken to be where it was, and may have gone on.
 
         It stands on floor, and has room to turn. What was in its way may still be there, and nearer. Of what was free
         only that is which is free wherever the robot may be, and nothing where it may have turned or been carried.
         """
-        if self._going is not None and away <= CARRIED:
-            for side, speed in zip((1, -1), self._going, strict=True):
-                self._grid.smear(pose.theta, side * self._way(speed, away))
+        if away < math.inf and (self._going.straight or away <= TURNED):
+            for way in (self._going.forward, -self._going.backward):
+                self._grid.smear(pose.theta, way * away)
         else:
             self._grid.doubt()
         self._grid.follow(pose, self._to_turn)
-        self._going = (0.0, 0.0)  # all that is accounted for
+        self._going = STILL  # all that is accounted for
         self._limiter.rest()
         self._recovery.clear()
         self._approach.begin()
@@ -144,10 +144,6 @@ class SafetyGate:
         if self._contacts is not None:
             self._going = self._limiter.going(now)
         return decision
-
-    def _way(self, speed: float, seconds: float) -> float:
-        """How far [m] the robot gets of a speed [m/s] until it stands, of which nothing is heard for so long [s]."""
-        return speed * (seconds + self._limits.reaction) + speed**2 / (2.0 * self._limits.deceleration)
 
     def _situation(self, command: Command, now: float, refusal: str, late: float) -> Situation:
         """All that a decision follows from, once the latest contacts are taken in."""

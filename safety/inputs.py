@@ -73,6 +73,7 @@ class BaseReport(NamedTuple):
     motion: Motion | None  # None where it does not go on from the report before
     new_baseline: str = ""  # why it is not known how the robot moved since the report before
     contradiction: bool = False  # whether that is because no base can report this after that
+    unmeasured: float = 0.0  # [s] for which it is not known; infinite where nobody can tell
 
 
 class SafetyLimits(NamedTuple):

@@ -21,6 +21,7 @@ from cliffscan.safety.rules import Decision
 from cliffscan.safety.safety_reports import Reasons
 from cliffscan.safety.scan_claims import Scan
 
+CARRIED = 3.0  # [s] of a silent base after which somebody may have carried it
 REMEMBERED = 1.0  # [s] for which a scan that was refused is reported
 TICK = 0.03  # [s] between decisions while the base is silent; else one follows each of its reports
 SILENT = 0.2  # [s] without a new report after which the base is taken for silent
@@ -68,14 +69,14 @@ class MessageGate:
 
     def report(self, report: BaseReport, stamp: int, now: float) -> None:
         """The base reported something new, at `stamp` [ns]. To be followed by decide()."""
-        away, self._reported_at = now - self._reported_at, now
+        silence, self._reported_at = now - self._reported_at, now
         self.alive_at, self._reported = now, True
         if report.new_baseline:
             self._warn("baseline", report.new_baseline)
             self.catching_up = True
         if self.catching_up:  # what is read late is of where the robot was; it begins anew where it is
             if self._placed:
-                self._gate.restart(report.pose, away)
+                self._gate.restart(report.pose, report.unmeasured if silence <= CARRIED else math.inf)
             else:
                 self._gate.put_down(report.pose)
             self._arbiter.forget()

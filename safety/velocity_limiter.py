@@ -34,6 +34,15 @@ class SpeedLimit(NamedTuple):
     obstruction: Obstruction | None = None  # what is in the way
 
 
+class Going(NamedTuple):
+    """The fastest that a base may be, and whether it surely does not turn."""
+
+    forward: float  # [m/s]
+    backward: float
+    straight: bool
+
+
+STILL = Going(0.0, 0.0, straight=True)
 NO_LIMIT = SpeedLimit(1.0, math.inf)
 DIRECTIONS = (  # up to which angle from straight ahead [rad]
     (math.radians(25), "ahead"),
@@ -72,9 +81,10 @@ class VelocityLimiter:
         """Whether the base goes on from before by no more than a turn on the spot may."""
         return max(self._pending.speed(1, now), self._pending.speed(-1, now)) <= SLOW
 
-    def going(self, now: float) -> tuple[float, float] | None:
-        """How fast [m/s] the base may go forward and backward; None while it may be turning."""
-        return None if self._pending.turns(now) else (self._pending.speed(1, now), self._pending.speed(-1, now))
+    def going(self, now: float) -> Going:
+        """How the base may be moving."""
+        pending = self._pending
+        return Going(pending.speed(1, now), pending.speed(-1, now), not pending.turns(now))
 
     def limit(self, side: int, wanted: Twist, pose: Pose2D, age: float | None, late: float, now: float) -> SpeedLimit:
         """What is left, by what is ahead (side 1) or behind (-1), of a velocity to be sent.

@@ -31,6 +31,7 @@ class Step(NamedTuple):
     motion: Motion | None
     new_baseline: str = ""
     contradiction: bool = False
+    unmeasured: float = 0.0
 
 
 class OdometryTrack:
@@ -60,7 +61,7 @@ class OdometryTrack:
             self._motion = Motion(0.0, 0.0, 0.0)
             if not isinstance(gap, Contradiction):
                 self._lead.interrupted()
-            return Step(self._pose, None, str(gap), isinstance(gap, Contradiction))
+            return Step(self._pose, None, str(gap), isinstance(gap, Contradiction), _between(before, message, now))
         if motion is None:
             self._before = before
             return None
@@ -89,3 +90,8 @@ class OdometryTrack:
         half = turn * WHEEL_SEPARATION / 2.0
         clock, left, right, _ = self._motion
         return Motion(clock + seconds, left + ahead - half, right + ahead + half)
+
+
+def _between(before: tuple[Odometry, float] | None, message: Odometry, now: float) -> float:
+    """How much time [s] may have passed since a message, by whichever clock says more; infinite at first."""
+    return max(abs(message.stamp - before[0].stamp) * 1e-9, now - before[1]) if before else math.inf

@@ -223,14 +223,20 @@ class BaseController:
         estimate = self._odometry.update(core, feedback.inertia, now)
         pose = self._origin.then(Pose2D(*estimate.pose))
         baseline = estimate.new_baseline or ""
+        unmeasured = self._base_time_since(core) if baseline else 0.0
         motion = self._motion(feedback, core, begins=bool(baseline) or self._gate.catching_up)
-        self._gate.report(BaseReport(contacts(core), pose, motion, baseline, estimate.contradiction), stamp, now)
+        report = BaseReport(contacts(core), pose, motion, baseline, estimate.contradiction, unmeasured)
+        self._gate.report(report, stamp, now)
         self.decide(now)
         return Report(feedback, core, estimate, stamp)
 
     def _is_repeated(self, core: Core) -> bool:
         """Whether the base's clock has not gone on: then nothing in the packet is new."""
         return self._read is not None and core.timestamp == self._read[0].timestamp
+
+    def _base_time_since(self, core: Core) -> float:
+        """How much time [s] of the base's clock, which counts 65 s, passed since the last packet; infinite at first."""
+        return math.inf if self._read is None else ((core.timestamp - self._read[0].timestamp) & 0xFFFF) / 1000.0
 
     def _motion(self, feedback: Feedback, core: Core, begins: bool) -> Motion | None:
         """How far the base has gone since it began to report in time; None where it begins with this packet."""
@@ -239,7 +245,7 @@ class BaseController:
             self._read = (core, Motion(0.0, 0.0, 0.0, angle))
             return None
         before, (clock, left, right, gyro) = self._read
-        clock += ((core.timestamp - before.timestamp) & 0xFFFF) / 1000.0
+        clock += self._base_time_since(core)
         left += _ticks(before.left_encoder, core.left_encoder) * METRES_PER_TICK
         right += _ticks(before.right_encoder, core.right_encoder) * METRES_PER_TICK
         if gyro is None:
