@@ -21,7 +21,7 @@ from cliffscan.safety.rules import Decision
 from cliffscan.safety.safety_reports import Reasons
 from cliffscan.safety.scan_claims import Scan
 
-CARRIED = 3.0  # [s] of a silent base after which somebody may have carried it
+CARRIED = 5.0  # [s] of a silent base after which somebody may have carried it
 REMEMBERED = 1.0  # [s] for which a scan that was refused is reported
 TICK = 0.03  # [s] between decisions while the base is silent; else one follows each of its reports
 SILENT = 0.2  # [s] without a new report after which the base is taken for silent
