@@ -65,7 +65,7 @@ class RollingGrid:
         So what was that much farther on may be here: of all that may be in a cell now, the worst is.
         """
         seen, touched = self._seen.copy(), self._touched.copy()
-        for step in range(1, math.ceil(abs(way) / CELL) + 1):
+        for step in range(1, math.ceil(min(abs(way), 2.0 * MEMORY) / CELL) + 1):  # beyond, nothing is known any more
             along = math.copysign(step, way)
             across, down = along * math.cos(heading), along * math.sin(heading)
             for row in {math.floor(across), math.ceil(across)}:

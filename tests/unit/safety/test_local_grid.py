@@ -241,6 +241,13 @@ def test_what_may_be_somewhere_along_the_way_is_there(heading, way):
     assert (shown == FREE).sum() > 100
 
 
+def test_a_robot_that_may_be_anywhere_knows_nothing_to_be_free():
+    grid = RollingGrid(HERE, 0.5)
+    see(grid, np.full(len(ANGLES), np.inf))
+    grid.smear(0.0, 1e9)
+    assert np.hypot(*grid.not_free(HERE, LOOK, unknown_too=True)).min() < CELL
+
+
 def kind(grid, point):
     """FREE to TOUCHED of the cell at a point (2,) [m]."""
     window = grid.around(Pose2D(*point, 0.0), 0.0)
