@@ -13,7 +13,7 @@ from enum import Enum
 from typing import NamedTuple
 
 SILENCE = 2.0  # [s] without an answer after which nobody is there to answer
-LOST = 0.4  # [s] after which a frame will not be answered
+SOONEST_LOST, LOST = 0.2, 0.4  # [s] after which a frame that was not answered counts as lost: twice the delay, of these
 SMOOTH = 0.25  # share of the newest answer in the delay
 LATE = 0.14  # [s] delay beyond which fewer frames may wait for their answers, and up to which more
 WAITED = 0.08  # [s] more than the least delay, too; a link that is long is idle while one frame waits for its answer
@@ -75,8 +75,8 @@ class Window:
             if now - self._answered > SILENCE:
                 self._flying.append(Flying(seq, now, Size.FULL))
                 return Size.FULL
-            while self._flying and now - self._flying[0].sent > LOST:
-                self._late(self._flying.popleft(), LOST, now)
+            while self._flying and (waited := now - self._flying[0].sent) > self._patience:
+                self._late(self._flying.popleft(), waited, now)
             if len(self._flying) >= int(self._room):
                 return None
             frame = Flying(seq, now, self.size)
@@ -96,6 +96,14 @@ class Window:
                 if frame.larger:
                     self._try_at = now + self._pause  # once more, for it tells nothing
             self._late(frame, now - frame.sent, now)
+
+    @property
+    def _patience(self) -> float:
+        """After how long [s] a frame counts as lost.
+
+        TCP finds out that what it sent again was lost, too, by what comes behind it: so something has to go there.
+        """
+        return min(max(SOONEST_LOST, 2.0 * self._delay), LOST)
 
     def _next_larger(self) -> Size:
         return Size(self.size.value - 1)

@@ -144,3 +144,21 @@ def test_a_try_that_was_overtaken_is_repeated():
         assert window.admit(seq + 1, now) is Size.HALF
         window.answer(seq + 1, now + 0.02)
         seq += 2
+
+
+def silent(window, seq, since):
+    """[s] until the next frame goes, while nobody answers those that went."""
+    now = since
+    while not window.admit(seq, now):
+        seq, now = seq + 1, now + 0.001
+    return now - since
+
+
+@pytest.mark.parametrize(("delay", "waits"), [(0.03, 0.2), (0.13, 0.26)])
+def test_what_is_late_for_this_link_keeps_no_frame_waiting(delay, waits):
+    window = Window(1.0)
+    for seq in range(30):
+        window.answer(seq, seq + delay if window.admit(seq, float(seq)) else 0.0)
+    while window.admit(seq := seq + 1, 30.0):
+        pass
+    assert silent(window, seq, 30.0) == pytest.approx(waits, abs=0.002)
