@@ -7,7 +7,7 @@ from collections import deque
 from cliffscan.safety.pose2d import Pose2D
 
 ROOM = 128  # poses; 2.5 s at the base's rate
-AHEAD = 100_000_000  # [ns] after the last pose for which the robot is taken to be still there
+AHEAD = 100_000_000  # [ns] after the last pose for which the robot is taken to go on as in so long before it
 
 
 class PoseHistory:
@@ -37,18 +37,27 @@ class PoseHistory:
         return len(self._stamps) == ROOM
 
     def at(self, stamp: int) -> Pose2D | None:
-        """The pose at `stamp`, between two known ones or the last; None before the first and long after the last."""
+        """The pose at `stamp`, between two that are known or soon after the last; None before the first and later."""
         if not self._stamps or not self._stamps[0] <= stamp <= self._stamps[-1] + AHEAD:
             return None
         place = bisect_left(self._stamps, stamp)
         if place == len(self._stamps):
-            return self._poses[-1]
+            return self._beyond_last(stamp)
         if place == 0:
             return self._poses[0]
-        before, after = self._poses[place - 1], self._poses[place]
-        share = (stamp - self._stamps[place - 1]) / (self._stamps[place] - self._stamps[place - 1])
-        return Pose2D(
-            before.x + share * (after.x - before.x),
-            before.y + share * (after.y - before.y),
-            before.theta + share * math.remainder(after.theta - before.theta, math.tau),
-        )
+        since = self._stamps[place - 1]
+        return between(self._poses[place - 1], self._poses[place], (stamp - since) / (self._stamps[place] - since))
+
+    def _beyond_last(self, stamp: int) -> Pose2D:
+        last, since = self._poses[-1], self._stamps[-1] - AHEAD
+        before = self.at(since)
+        return between(before, last, (stamp - since) / AHEAD) if before else last
+
+
+def between(before: Pose2D, after: Pose2D, share: float) -> Pose2D:
+    """The pose after that share of the way between two, or beyond it."""
+    return Pose2D(
+        before.x + share * (after.x - before.x),
+        before.y + share * (after.y - before.y),
+        before.theta + share * math.remainder(after.theta - before.theta, math.tau),
+    )

@@ -37,6 +37,22 @@ def test_before_the_first_and_long_after_the_last_nobody_knows():
     assert history.at(201 + AHEAD) is None
 
 
+@pytest.mark.parametrize("period", [AHEAD // 50, AHEAD // 5, AHEAD // 2, AHEAD])
+def test_after_the_last_the_robot_goes_on_as_before(period):
+    stamps = range(0, 4 * AHEAD + 1, period)
+    history = a_history(*((stamp, (2.0 * stamp / AHEAD, 0.0, 3.0 + 0.5 * stamp / AHEAD)) for stamp in stamps))
+    for late in (0.0, 0.3, 1.0):
+        pose = history.at(round((4.0 + late) * AHEAD))
+        assert pose.x == pytest.approx(8.0 + 2.0 * late)
+        assert math.remainder(pose.theta - 5.0 - 0.5 * late, math.tau) == pytest.approx(0.0, abs=1e-6)
+
+
+def test_a_pose_that_came_soon_behind_another_throws_nothing_far():
+    steady = [(stamp * AHEAD // 5, (0.01 * stamp, 0, 0)) for stamp in range(11)]
+    history = a_history(*steady, (2 * AHEAD + 1000, (0.11, 0, 0)))
+    assert history.at(3 * AHEAD).x == pytest.approx(0.11 + 0.06, abs=0.001)
+
+
 def test_the_oldest_are_forgotten():
     history = a_history(*((stamp, (stamp, 0, 0)) for stamp in range(ROOM + 10)))
     assert history.at(9) is None
