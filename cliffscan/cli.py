@@ -175,10 +175,10 @@ turn_limit = between(10.0, 180.0, "a turn rate [deg/s]")
 def looked(arguments: argparse.Namespace) -> str:
     """Where on the network is looked, in words."""
     if arguments.connect:
-        return f"connected to {', '.join(arguments.connect)}"
+        return f"at {', '.join(arguments.connect)}"
     if arguments.secure or arguments.zenoh_config:
-        return f"by {arguments.secure or arguments.zenoh_config}"
-    return "looking on this machine and its network"
+        return f"at the endpoints of {arguments.secure or arguments.zenoh_config}"
+    return "on this machine and its network"
 
 
 def on_bus(

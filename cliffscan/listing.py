@@ -5,7 +5,7 @@ import sys
 from cliffscan.common.contract.topics import alive, message_at
 from cliffscan.common.runtime.bus import Bus
 from cliffscan.common.runtime.stop_signal import StopSignal
-from cliffscan.live import NEWS, live_keys
+from cliffscan.live import NEWS, found_at, live_keys
 from cliffscan.plain import plain
 
 
@@ -17,7 +17,7 @@ def list_keys(bus: Bus, where: str, stop: StopSignal) -> int:
     rows = [(alive(token), "", "liveliness token") for token in tokens]
     rows += [(key.path, f"{key.rate:.1f} Hz", _message(key.path)) for key in keys]
     if not rows:
-        print(nothing_of(bus.robot, set(robots), where), file=sys.stderr)
+        print(nothing_of(bus, set(robots), where), file=sys.stderr)
         return 1
     width = max(len(plain(path)) for path, _, _ in rows)
     for path, rate, message in rows:
@@ -34,14 +34,14 @@ def list_robots(bus: Bus, where: str, stop: StopSignal) -> int:
     for robot, services in sorted(robots.items()):
         print(f"{plain(robot)}: {', '.join(map(plain, sorted(services)))}")
     if not robots:
-        print(f"cliffscan: no robot found, {where}; is `cliffscan up` running?", file=sys.stderr)
+        print(f"cliffscan: no robot found {found_at(bus, where)}; is `cliffscan up` running?", file=sys.stderr)
     return 0 if robots else 1
 
 
-def nothing_of(robot: str, others: set[str], where: str) -> str:
+def nothing_of(bus: Bus, others: set[str], where: str) -> str:
     """A line for who looks for a robot that is not there, and what to do."""
     found = f"; other robots found: {_names(others)} (--robot NAME)" if others else ""
-    return f"cliffscan: nothing of robot {robot} found, {where}{found}; is `cliffscan up` running?"
+    return f"cliffscan: nothing of robot {bus.robot} found {found_at(bus, where)}{found}; is `cliffscan up` running?"
 
 
 def _names(robots: set[str]) -> str:

@@ -41,6 +41,11 @@ def live_keys(bus: Bus, stop: StopSignal, seconds: float = LOOK) -> list[LiveKey
         return [LiveKey(path, counted / passed) for path, counted in sorted(counts.items())]
 
 
+def found_at(bus: Bus, where: str) -> str:
+    """Where on the network was looked, in words, and that nobody is there at all."""
+    return where if bus.connected else f"{where}, where nothing answers"
+
+
 def is_token(wanted: str, token: str) -> bool:
     """Whether a liveliness token is the one of service `wanted`, or of one of several by that name: `wanted-…`."""
     return token == wanted or token.startswith(f"{wanted}-")
@@ -54,12 +59,12 @@ def alive(service: str, bus: Bus, where: str, stop: StopSignal) -> int:
         if any(is_token(service, token) for token in tokens):
             return 0
         if time.monotonic() > deadline or stop.wait(TURN):
-            print(f"cliffscan: {plain(_complaint(service, tokens, bus.robot, where))}", file=sys.stderr)
+            print(f"cliffscan: {plain(_complaint(service, tokens, bus.robot, found_at(bus, where)))}", file=sys.stderr)
             return 1
 
 
 def _complaint(service: str, tokens: set[str], robot: str, where: str) -> str:
     if not tokens:
-        return f"{service} is not alive, nor is any service of {robot}, {where}; is `cliffscan up` running?"
+        return f"{service} is not alive, nor is any service of {robot} {where}; is `cliffscan up` running?"
     there = ", ".join(sorted(tokens))
     return f"{service} is not alive; of {robot} there are {there}{suggest(service, {*tokens, *SERVICES} - {service})}"

@@ -94,14 +94,14 @@ def status(bus: Bus, watch: bool, where: str, stop: StopSignal) -> int:
     if not watch:
         healths = board.healths()
         if not healths:
-            print(nothing_of(bus.robot, set(bus.robots()), where), file=sys.stderr)
+            print(nothing_of(bus, set(bus.robots()), where), file=sys.stderr)
             return 1
         console.print(picture(bus.robot, healths))
         return 0
     with Live(console=console, auto_refresh=False) as live:
         while not stop.is_set():
             healths = board.healths()
-            shown = picture(bus.robot, healths) if healths else nothing_of(bus.robot, set(bus.robots()), where)
+            shown = picture(bus.robot, healths) if healths else nothing_of(bus, set(bus.robots()), where)
             live.update(shown if isinstance(shown, Group) else Text(shown), refresh=True)
             stop.wait(PERIOD)
     return 0

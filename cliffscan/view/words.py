@@ -90,9 +90,9 @@ def felt(state: BaseState) -> list[str]:
 def notice(connected: bool, found: bool, robot: str, others: list[str], where: str) -> str:
     """What keeps the page from showing the robot, with the remedy; empty where nothing does."""
     if not connected:
-        return f"No router answers ({where}). The page goes on when one does: is cliffscan up running?"
+        return f"No router answers {where}. The page goes on when one does: is cliffscan up running?"
     if not found and others:
         return f"Nothing of {robot} is received. Other robots are there: choose one above."
     if not found:
-        return f"No robot is there ({where}). Start one with: cliffscan up"
+        return f"No robot is found {where}. Start one with: cliffscan up"
     return ""

@@ -10,6 +10,7 @@ from cliffscan.common.runtime.endpoints import Endpoint
 from cliffscan.common.runtime.secure import CERTIFICATE, KEY, ROOT
 
 PATIENCE = 1.0  # [s] for each step
+OTHER_PROTOCOL = "WRONG_VERSION_NUMBER"  # OpenSSL's reason for an answer that is no TLS
 ONE_CA = "make both with one `cliffscan keys init`, or copy the role's folder from there anew"
 RENEW = "`cliffscan keys renew` where they were made, and copy cert.pem"
 
@@ -91,12 +92,15 @@ def _context(folder: Path | None) -> ssl.SSLContext:
 
 
 def _plain(connection: socket.socket) -> str:
-    """Whether a router that is greeted in TLS answers so, though it was to be reached in plain TCP."""
+    """What answers a greeting in TLS, to which a router that is reached in plain TCP says nothing."""
     try:
         with _context(None).wrap_socket(connection) as secured:
             secured.recv(1)
     except ssl.SSLError as error:
-        return "it speaks TLS: add --secure DIR, and write tls/ instead of tcp/" if _refusal(error) else ""
+        if _refusal(error):
+            return "it speaks TLS: add --secure DIR, and write tls/ instead of tcp/"
+        if error.reason == OTHER_PROTOCOL:
+            return "what answers there is no router: is the port right?"
     return ""
 
 

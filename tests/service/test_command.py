@@ -74,12 +74,18 @@ def test_up_starts_all_and_restarts_what_dies_and_ends_all(client, up):
     assert [each for each in alarms if "does not end; killing it" not in each] == []  # a busy machine takes its time
 
 
+def test_status_says_that_nothing_answers():
+    endpoint = free_endpoint()
+    empty = ask("status", "--connect", endpoint)
+    assert f"nothing of robot turtlebot found at {endpoint}, where nothing answers; is" in empty.stderr
+
+
 def test_status_shows_who_lives(client, start, place):
     empty = ask("status", *place)
     assert empty.returncode == 1
-    connected = f"connected to {client.endpoint}"
+    place_of_it = f"at {client.endpoint}"
     assert (
-        empty.stderr == f"cliffscan: nothing of robot {client.robot} found, {connected}; is `cliffscan up` running?\n"
+        empty.stderr == f"cliffscan: nothing of robot {client.robot} found {place_of_it}; is `cliffscan up` running?\n"
     )
     start("fuse")
     shown = ask_until(lambda done: re.search(r"fuse\s.*working", done.stdout), "status", *place)

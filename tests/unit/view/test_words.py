@@ -43,6 +43,6 @@ def test_a_pressed_stop_that_another_rule_hides_is_not_forgotten():
 
 def test_what_is_missing_is_said_with_its_remedy():
     assert notice(True, True, "a", ["b"], "") == ""
-    assert "cliffscan up" in notice(False, False, "a", [], "connected to x")
-    assert "cliffscan up" in notice(True, False, "a", [], "connected to x")
+    assert "cliffscan up" in notice(False, False, "a", [], "at x")
+    assert "cliffscan up" in notice(True, False, "a", [], "at x")
     assert "choose one" in notice(True, False, "a", ["b"], "")
