@@ -25,6 +25,7 @@ M = TypeVar("M", bound=Message)
 log = logging.getLogger(__name__)
 
 ROOM = 256  # samples that may wait for a program that must not miss any
+TOKENS = 16_384  # news of tokens that may wait: of a state none may be missed, and there are as many as tokens change
 REQUESTS = 8  # that may wait at a path
 RATE = 200.0  # [Hz] at which the requests at a path are answered
 AGAIN = 0.05  # [s] after which a question that found nothing is put again
@@ -300,9 +301,11 @@ class Bus:
 
     def alive(self, timeout: float = 1.0) -> set[str]:
         """The services that work now, by their liveliness tokens."""
-        pattern = f"{self.robot}/{alive('*')}"
-        replies = self._session.liveliness().get(pattern, timeout=timeout)
-        return {str(reply.ok.key_expr).rpartition("/")[2] for reply in replies if reply.ok}
+        return {key.rpartition("/")[2] for key in self._tokens(f"{self.robot}/{alive('*')}", timeout)}
+
+    def routers(self, timeout: float = 1.0) -> set[str]:
+        """The keys of the tokens of all routers that are there, of whatever robot."""
+        return set(self._tokens(f"**/{alive('router-$*')}", timeout))
 
     def robots(self, timeout: float = 1.0) -> dict[str, set[str]]:
         """The services that work now of every robot on the network, by the robot's name.
@@ -313,13 +316,21 @@ class Bus:
         middle, end = f"/{alive('')}", alive("*")
         deadline = time.monotonic() + timeout
         while not found and (left := deadline - time.monotonic()) > 0.0:
-            for reply in self._session.liveliness().get(f"**/{end}", timeout=left):
-                if reply.ok:
-                    robot, _, service = str(reply.ok.key_expr).rpartition(middle)
-                    found.setdefault(robot, set()).add(service)
+            for key in self._tokens(f"**/{end}", left):
+                robot, _, service = key.rpartition(middle)
+                found.setdefault(robot, set()).add(service)
             if not found:
                 time.sleep(AGAIN)
         return found
+
+    def _tokens(self, pattern: str, timeout: float) -> Iterator[str]:
+        """The keys of the tokens on a pattern.
+
+        A session that watches them answers by itself before the question returns, so all must have room.
+        """
+        room: zenoh.handlers.FifoChannel[zenoh.Reply] = zenoh.handlers.FifoChannel(TOKENS)
+        replies = self._session.liveliness().get(pattern, room, timeout=timeout)
+        return (str(reply.ok.key_expr) for reply in replies if reply.ok)
 
     def watch_alive(self, changed: Callable[[str, bool], None]) -> None:
         """Call `changed(service, alive)` for every service that works, and whenever that changes."""
@@ -353,7 +364,7 @@ class Bus:
         def deliver(sample: zenoh.Sample) -> None:
             changed(str(sample.key_expr), sample.kind == zenoh.SampleKind.PUT)
 
-        ring: zenoh.handlers.RingChannel[zenoh.Sample] = zenoh.handlers.RingChannel(ROOM)
+        ring: zenoh.handlers.RingChannel[zenoh.Sample] = zenoh.handlers.RingChannel(TOKENS)
         source = self._session.liveliness().declare_subscriber(pattern, ring, history=True)
         self._declared.append(source)
         self._readers.read(source, deliver)

@@ -270,3 +270,24 @@ def test_two_routers_are_joined_and_what_is_no_router_is_not(client, bus):
             wait_until(lambda: second.joined)
     assert bus.connected
     assert not bus.joined
+
+
+def test_no_token_is_missed_by_who_is_busy(client, bus):
+    names, told, go_on = {f"r{number}" for number in range(700)}, set(), threading.Event()
+
+    def changed(robot, _service, here):
+        go_on.wait(DEADLINE)
+        (told.add if here else told.discard)(robot)
+
+    bus.beside("*").watch_robots(changed)
+    with stranger(client) as session:
+        tokens = [session.liveliness().declare_token(f"{name}/alive/fuse") for name in names]
+        wait_until(lambda: names <= bus.robots().keys())
+        go_on.set()
+        wait_until(lambda: names <= told)
+        go_on.clear()
+        for token in tokens:
+            token.undeclare()
+        wait_until(lambda: not names & bus.robots().keys())
+    go_on.set()
+    wait_until(lambda: not names & told)
