@@ -62,6 +62,6 @@ class Fuser:
         """The newest scan of every extra input that has one of about this stamp [ns]."""
         return {
             name: (self._inputs[name], scan)
-            for name, scan in self._newest.items()
+            for name, scan in self._newest.copy().items()  # another thread adds to it
             if abs(scan.stamp - stamp) <= self._inputs[name].max_age * 1e9
         }

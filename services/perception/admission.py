@@ -54,7 +54,7 @@ class Admission:
         share = self.shares.get(robot)
         if share is None:
             return True
-        credit = self._credit[robot] + share.taken / share.offered
+        credit = self._credit.get(robot, 0.0) + share.taken / share.offered
         taken = is_idle or credit >= 1.0
         self._credit[robot] = max(credit - taken, -1.0)
         return taken
@@ -73,7 +73,8 @@ class Admission:
         span = now - self._began
         if span < PERIOD:
             return False
-        offered, self._offered = self._offered, Counter()
+        newest, self._offered = self._offered, Counter()
+        offered = dict(newest)  # to which takes() may still add, in another thread
         mean = sum(self._busy.values()) / max(self._turns.total(), 1)
         self._costs = {robot: self._cost(robot, mean) for robot in offered}
         self._began, self._turns, self._busy = now, Counter(), defaultdict(float)

@@ -11,7 +11,7 @@ from typing import Any
 
 from cliffscan.common.contract import topics
 from cliffscan.common.contract.message import MessageError
-from cliffscan.common.contract.messages import DepthImage
+from cliffscan.common.contract.messages import DepthImage, ServiceStatus
 from cliffscan.common.perception.scans import WARMUP_IMAGE
 from cliffscan.common.runtime.alive_file import mark_alive
 from cliffscan.common.runtime.bus import EVERY, Bus
@@ -75,7 +75,7 @@ class Fleet:
                 began = time.monotonic()
                 self._take(*turn)
                 spent = time.monotonic() - began
-                self._turns.spent(turn[0], spent)
+                self._turns.spent(spent)
                 self._admission.worked(turn[0], spent)
             self._review()
 
@@ -94,16 +94,22 @@ class Fleet:
             bus.watch_robots(lambda *news: self._news.append(partial(standings.token, *news)))
             bus.subscribe_robots(topics.DEPTH.path, self._arrived, BURST, self._wanted, self._refused)
             for service in SINGLE:
-                path = topics.STATUS.named(service).path
-                bus.subscribe_robots(path, _nothing, BURST, partial(self._status_of, service), _nothing, of_others=True)
+                path, heard = topics.STATUS.named(service).path, partial(self._status_of, service)
+                bus.subscribe_robots(path, heard, BURST, self._serves, _nothing, of_others=True)
         if self._names is None:
             self._bus.join(NAME, self._me)
 
-    def _status_of(self, service: str, robot: str) -> bool:
-        """Another process published its status as one of SINGLE; what it says does not matter."""
-        if robot in self._robots:
+    def _serves(self, robot: str) -> bool:
+        return robot in self._robots
+
+    def _status_of(self, service: str, robot: str, payload: bytes) -> None:
+        """Another process published its status as one of SINGLE. While it only starts, it makes no scans."""
+        try:
+            works = ServiceStatus.decode(payload).state == "working"
+        except MessageError:
+            return
+        if works:
             self._news.append(partial(self._yield, service, robot))
-        return False
 
     def _yield(self, service: str, robot: str) -> None:
         if self._standings.status(robot, time.monotonic()):
@@ -118,7 +124,7 @@ class Fleet:
         pace = self._paces.setdefault(name, Pace(RATE, BURST))
         if len(self._paces) > 2 * KNOWN:
             self._paces = {name: pace}
-        if pace.delay(now) > 0.0 or not self._turns.admits(name):
+        if pace.delay(now) > 0.0 or not self._turns.admits(name, self._is_known(name)):
             return False
         pace.spend(now)
         robot = self._robots.get(name)
@@ -135,10 +141,14 @@ class Fleet:
         """Whether a robot that nobody named publishes good images, which it does now."""
         if name in self._published:
             self._published[name] = now
+        return self._is_known(name)
+
+    def _is_known(self, name: str) -> bool:
+        """Whether a robot was named, or has published a good image."""
         return name in self._published or self._names is not None
 
     def _arrived(self, name: str, payload: bytes) -> None:
-        if self._turns.put(name, payload):
+        if self._turns.put(name, payload, self._is_known(name)):
             return
         self._admission.overtaken(name)
         if robot := self._robots.get(name):

@@ -16,6 +16,7 @@ PARTS = ("negative", "positive", "fuse", "perception")  # whose tokens are held 
 SETTLED = 0.15  # [s] in which tokens that were declared at the same time have reached everybody
 MOST = 64  # robots that a process of the fleet claims
 REMEMBERED = 1024  # robots of which it is known that others served them
+LEAVING = 1.0  # [s] in which what another process publishes may be the last of one that leaves the robot to this one
 YIELDED = 3.0  # [s] after the last status of another service in which a robot is left to it
 
 
@@ -44,6 +45,8 @@ class Standings:
         self.beyond: set[str] = set()  # robots that fall to this process and are more than MOST
         self._of: dict[str, Standing] = {}
         self._free_since: dict[str, float] = {}
+        self._served_since: dict[str, float] = {}
+        self._heard: dict[str, float] = {}  # when another's status came that may be the last of one that leaves
         self._yielded: dict[str, float] = {}  # when a service that serves the robot alone last published its status
 
     def member(self, name: str, here: bool) -> None:
@@ -70,12 +73,21 @@ class Standings:
         """Another process published its status as negative, positive or fuse of a robot; whether this one yields to it.
 
         Tokens of one name are one to those that hold it too, so who serves a robot learns of another from this alone.
-        Where another member claims the robot, the status is that one's, and the claims decide.
+        Where another member claims the robot, the status is that one's, and the claims decide. One that leaves the
+        robot to this process may publish a last status, or some at a time, so then it takes a later one, too.
         """
-        yields = self.of(robot) is Standing.SERVES and not self._claims.get(robot, set()) & self._members
+        if self.of(robot) is not Standing.SERVES or self._claims.get(robot, set()) & self._members:
+            return False
+        yields = not self._may_leave(robot, now) or LEAVING / 2 <= now - self._heard.get(robot, now) <= YIELDED
         if yields:
             self._yielded[robot] = now
+        elif now - self._heard.get(robot, -YIELDED) >= YIELDED:
+            self._heard[robot] = now
         return yields
+
+    def _may_leave(self, robot: str, now: float) -> bool:
+        """Whether another process may be about to leave a robot to this one, or has just done so."""
+        return bool(self._by_name(robot)) or now - self._served_since.get(robot, now) < LEAVING
 
     def of(self, robot: str) -> Standing:
         """What this process is for a robot."""
@@ -101,6 +113,10 @@ class Standings:
         found = {robot: self._standing(robot, ours, now) for robot in {*ours, *(self._named or ()), *self._of}}
         changes = {robot: standing for robot, standing in found.items() if standing is not self.of(robot)}
         self._of = {robot: standing for robot, standing in found.items() if standing is not Standing.AWAY}
+        self._served_since = {
+            robot: self._served_since.get(robot, now) for robot in self._of if self.of(robot) is Standing.SERVES
+        }
+        self._heard = {robot: at for robot, at in self._heard.items() if robot in self._served_since}
         return changes
 
     def _ours(self, robots: Collection[str]) -> set[str]:

@@ -191,3 +191,21 @@ def test_no_more_samples_of_a_robot_are_taken_than_its_rate_allows(every, clock)
         taken += every._wanted("flood")
     assert taken == pytest.approx(0.5 * module.RATE + module.BURST, abs=2)
     assert every._wanted("another")
+
+
+@pytest.mark.parametrize(
+    ("payload", "stays"),
+    [
+        (build.payload(build.status_fields(service="negative", state="working")), False),
+        (build.payload(build.status_fields(service="negative", state="starting")), True),
+        (b"no status", True),
+    ],
+)
+def test_a_robot_is_left_to_a_service_that_works(every, bus, clock, payload, stays):
+    every._take("a", [image(7)])
+    settle(every, clock)
+    settle(every, clock)
+    clock.now += 1.0
+    every._status_of("negative", "a", payload)
+    every._review()
+    assert every._serves("a") is stays

@@ -177,15 +177,64 @@ def test_single_services_go_first_whenever_they_start(named):
     net.run(1.0)
     assert net.serving("a") == []
     net.set(other, "negative", "a", False)
-    net.run(1.0)
+    net.run(1.5)
     assert net.serving("a") == ["m"]
     net.set(other, "negative", "a", True)
-    net.processes["m"].standings.status("a", net.now)
+    assert net.processes["m"].standings.status("a", net.now)
     net.run(4.0)
     assert net.serving("a") == []
     net.set(other, "negative", "a", False)
     net.run(1.0)
     assert net.serving("a") == ["m"]
+
+
+def status_every_second(net, name, seconds):
+    """A service that serves the robot alone publishes its status; when this process yielded [s], or None."""
+    for second in range(seconds):
+        if net.processes[name].standings.status("a", net.now):
+            return second
+        net.run(1.0)
+    return None
+
+
+def test_a_single_service_goes_first_beside_two_that_were_named():
+    net = Net(["a"])
+    for name in "mn":
+        net.start(name, ["a"])
+    net.run(1.5)
+    (serving,) = net.serving("a")
+    net.set(Process(net, "negative of its own", None), "negative", "a", True)
+    assert status_every_second(net, serving, 3) == 1
+    net.run(0.1)
+    assert net.serving("a") == []
+
+
+@pytest.mark.parametrize("named", [None, ["a"]])
+def test_the_last_status_of_one_that_leaves_the_robot_is_not_yielded_to(named):
+    net = Net(["a"])
+    net.start("m", ["a"] if named else None)
+    net.run(1.0)
+    net.start("n", named)
+    net.run(1.0)
+    (first,) = net.serving("a")
+    net.kill(first)
+    net.run(0.6)
+    (second,) = net.serving("a")
+    standings = net.processes[second].standings
+    assert not any(standings.status("a", net.now + late) for late in (0.0, 0.001, 0.2))
+    net.run(1.0)
+    assert net.serving("a") == [second]
+
+
+def test_of_two_that_did_not_see_each_other_one_goes_on_whatever_the_other_said_last():
+    standings = Standings("m", ["a"], 0.0)
+    for now in (0.0, 0.2, 2.0):
+        standings.review([], now)
+    assert standings.of("a") is Standing.SERVES
+    standings.token("a", f"{CLAIM}n", True)
+    assert not standings.status("a", 2.0)
+    assert not standings.status("a", 2.01)
+    assert standings.status("a", 2.9)
 
 
 def test_what_works_for_a_robots_own_perception_is_always_named():

@@ -16,7 +16,7 @@ def served(turns, cost, rounds, again):
     for _ in range(rounds):
         robot, _ = turns.take(0.0)
         order.append(robot)
-        turns.spent(robot, cost[robot])
+        turns.spent(cost[robot])
         if robot in again:
             turns.put(robot, b"")
     return order
@@ -49,7 +49,7 @@ def test_it_is_idle_when_nothing_waits_and_the_last_turn_is_spent(turns):
     assert not turns.is_idle()
     turns.take(0.0)
     assert not turns.is_idle()
-    turns.spent("a", 0.1)
+    turns.spent(0.1)
     assert turns.is_idle()
 
 
@@ -90,3 +90,26 @@ def test_no_more_than_so_many_robots_wait(turns):
     assert turns.admits("0")
     turns.take(0.0)
     assert turns.admits("another")
+
+
+def test_strangers_have_together_the_time_of_one_robot(turns):
+    order = []
+    turns.put("a", b"")
+    for number in range(40):
+        turns.put(f"stranger {number}", b"", known=False)
+        robot, _ = turns.take(0.0)
+        order.append(robot)
+        turns.spent(0.01)
+        if robot == "a":
+            turns.put("a", b"")
+    assert order.count("a") == pytest.approx(20, abs=1)
+
+
+def test_strangers_take_no_robots_room(turns):
+    for number in range(MOST):
+        assert turns.admits(f"stranger {number}", known=False)
+        turns.put(f"stranger {number}", b"", known=False)
+    assert not turns.admits("stranger", known=False)
+    assert turns.admits("a")
+    turns.put("stranger 0", b"")  # it is known now
+    assert turns.admits("stranger", known=False)
