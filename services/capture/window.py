@@ -73,6 +73,7 @@ class Window:
         """How much of the frame is to be sent now; None where it is to be held back."""
         with self._lock:
             if now - self._answered > SILENCE:
+                self._try_at = min(self._try_at, now + self._pause)  # what was on its way tells nothing
                 self._flying.append(Flying(seq, now, Size.FULL))
                 return Size.FULL
             while self._flying and (waited := now - self._flying[0].sent) > self._patience:

@@ -162,3 +162,14 @@ def test_what_is_late_for_this_link_keeps_no_frame_waiting(delay, waits):
     while window.admit(seq := seq + 1, 30.0):
         pass
     assert silent(window, seq, 30.0) == pytest.approx(waits, abs=0.002)
+
+
+def test_a_try_that_an_outage_swallowed_is_repeated():
+    drive = Drive(6e6).run(10.0)
+    while drive.sent[-1][1] is drive.window.size:
+        drive.run(PERIOD)
+    drive.rate, drive._answers = 0, []
+    drive.run(SILENCE + 1.0)
+    drive.rate = 200e6
+    drive.run(120.0)
+    assert drive.window.size is Size.FULL
