@@ -16,16 +16,16 @@ class Joined:
     """Looks from one session to the next."""
 
     def __init__(self, own: str) -> None:
-        """own: the name of this router's token."""
+        """own: the key of this router's token."""
         self._own = own
         self._looks, self._tries = 0, TRIES
 
-    def is_shut(self, linked: bool, tokens: Collection[str]) -> bool:
+    def is_shut(self, linked: bool, routers: Collection[str]) -> bool:
         """Look once a second: whether a session of its own is worth opening, for nothing passes though it is linked.
 
-        tokens: those that a question for them brought.
+        routers: the keys of tokens that a question for them brought; the other router may be of another robot.
         """
-        others = [each for each in tokens if each.startswith("router-") and each != self._own]
+        others = [each for each in routers if each != self._own]
         if others:
             self._tries = TRIES
         self._looks = self._looks + 1 if linked and not others else 0

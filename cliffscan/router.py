@@ -5,10 +5,11 @@ from __future__ import annotations
 import logging
 from pathlib import Path
 
+from cliffscan.common.contract.topics import alive
 from cliffscan.common.runtime.config import ServiceConfig
 from cliffscan.common.runtime.network import BusError, Network, check, targets
 from cliffscan.common.runtime.secure import FILES
-from cliffscan.common.runtime.service import STATUS_PERIOD, Service, connect
+from cliffscan.common.runtime.service import RETRY, STATUS_PERIOD, Service, connect
 from cliffscan.common.runtime.stop_signal import StopSignal
 from cliffscan.joined import Joined
 
@@ -22,12 +23,21 @@ def route(network: Network, robot: str, name: str, stop: StopSignal) -> int:
     that join may let nothing pass; see Joined.
     """
     token = f"router-{name}"
-    joined = Joined(token) if targets(network) else None
+    joined = Joined(f"{robot}/{alive(token)}") if targets(network) else None
+    opened = False
     while not stop.is_set():
         files = Files(network)
-        bus = connect(network, robot, stop)
+        try:
+            bus = connect(network, robot, stop)
+        except BusError as error:
+            if not opened:
+                raise
+            log.warning("waits for the rest of the keys, for %s", error)
+            stop.wait(RETRY)
+            continue
         if bus is None:
             break
+        opened = True
         with bus:
             _route_once(Service(token, ServiceConfig(), bus, stop), files, joined, stop)
     return 0
@@ -41,7 +51,7 @@ def _route_once(service: Service[ServiceConfig], files: Files, joined: Joined | 
         if files.renewed():
             log.info("keys or rules were renewed: opening anew")
             return
-        if joined and joined.is_shut(service.bus.joined, service.bus.alive()):
+        if joined and joined.is_shut(service.bus.joined, service.bus.routers()):
             log.warning("nothing passes, though the other router is reached: opening anew")
             return
 

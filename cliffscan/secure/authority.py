@@ -16,7 +16,7 @@ from cliffscan.common.runtime.secure import SecureError
 CA_NAME = "cliffscan CA"
 CA_LIFE = timedelta(days=3650)
 EARLIER = timedelta(hours=1)  # a certificate holds for a clock that is a little behind
-LONGEST_NAME = 64  # characters that a certificate's organization may have
+LONGEST_NAME = 64  # characters that a robot and a role may have in a certificate
 THIS_MACHINE = ("localhost", "127.0.0.1", "::1")
 
 

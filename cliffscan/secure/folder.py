@@ -79,6 +79,8 @@ class KeyFolder:
             raise SecureError(
                 f"{role!r} is no role: there are {', '.join(names)}, and {SENSOR}NAME for scan/NAME{meant}"
             )
+        if len(role) > LONGEST_NAME:
+            raise SecureError(f"{role}: a certificate has room for {LONGEST_NAME} characters; name it shorter")
         new_rules = is_sensor(role) and not (self.directory / role).exists()
         self._issue(role, new_key(), life)
         if new_rules:

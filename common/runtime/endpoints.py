@@ -4,6 +4,7 @@ from typing import NamedTuple
 
 NETWORKED = ("tcp", "udp", "tls", "quic", "ws")  # the other protocols stay on one machine, or are a cable
 KEYED = ("tls", "quic")
+LAST_PORT = 65_535
 LOCAL_NAMES = ("localhost", "::1")
 
 

@@ -15,7 +15,7 @@ from cryptography.hazmat.primitives.serialization import Encoding, PublicFormat,
 from cryptography.x509.oid import NameOID
 
 from cliffscan.common.contract.roles import names
-from cliffscan.common.runtime.secure import CERTIFICATE, CONFIG, FILES, KEY, ROOT, SecureError
+from cliffscan.common.runtime.secure import CERTIFICATE, CONFIG, FILES, KEY, ROOT, NotYetValid, SecureError
 
 OWNER = "run this as the user whose keys they are"
 SOON = 30  # [days] before the end of a certificate in which a person is told
@@ -65,10 +65,11 @@ def examine(folder: Path, role: str, robots: Sequence[str]) -> Identity:
 
     A router that keeps other rules or another CA can only be noticed when it is asked.
     """
-    if not folder.is_dir():
+    if not _is_there(folder):
         raise SecureError(f"{folder}: is not there: `cliffscan keys issue {folder.parent} {role}` makes it")
     for name in FILES:
-        _check_there(folder / name)
+        if not _is_there(folder / name):
+            raise SecureError(f"{folder / name}: is not there; {_remedy(folder / name)}")
     certificate, root = read_certificate(folder / CERTIFICATE), read_certificate(folder / ROOT)
     identity = identity_of(certificate)
     _check_name(folder, identity, role, robots)
@@ -77,13 +78,11 @@ def examine(folder: Path, role: str, robots: Sequence[str]) -> Identity:
     return identity
 
 
-def _check_there(file: Path) -> None:
+def _is_there(path: Path) -> bool:
     try:
-        there = file.exists()
+        return path.exists()
     except OSError as error:  # another user's folder
-        raise SecureError(f"{file}: {error.strerror}: {OWNER}") from error
-    if not there:
-        raise SecureError(f"{file}: is not there; {_remedy(file)}")
+        raise SecureError(f"{path}: {error.strerror}: {OWNER}") from error
 
 
 def _check_name(folder: Path, identity: Identity, role: str, robots: Sequence[str]) -> None:
@@ -103,7 +102,7 @@ def _check_dates(folder: Path, identity: Identity) -> None:
     if now > identity.ends:
         raise SecureError(f"{file}: expired on {identity.ends:%Y-%m-%d}: `cliffscan keys renew {folder.parent}`")
     if now < identity.begins:
-        raise SecureError(
+        raise NotYetValid(
             f"{file}: is not valid before {identity.begins:%Y-%m-%d %H:%M} UTC: set the clock of this machine (chrony)"
         )
 

@@ -7,10 +7,12 @@ import zenoh
 
 from cliffscan.common.runtime import zenoh_config
 from cliffscan.common.runtime.door import Door, Keys
+from cliffscan.common.runtime.endpoints import LAST_PORT
 from cliffscan.common.runtime.endpoints import parse as endpoint_of
 from cliffscan.common.runtime.secure import (
     CONFIG,
     Credentials,
+    NotYetValid,
     SecureError,
     check_listening,
     check_secured,
@@ -73,6 +75,8 @@ def _configured(network: Network) -> tuple[zenoh.Config, Keys | None]:
         keys = Keys.of(network.secure) if network.secure else None
         config = zenoh_config.build(network.settings(), network.file)
         _check_endpoints(network, config)
+    except NotYetValid as error:
+        raise NotConnected(str(error)) from error
     except SecureError as error:
         raise BusError(str(error)) from error
     except zenoh.ZError as error:
@@ -99,12 +103,14 @@ def open_session(network: Network, robot: str) -> tuple[zenoh.Session, Door]:
 def _check_endpoints(network: Network, config: zenoh.Config) -> None:
     """Raise SecureError where others could connect without keys, or a secured process speaks in the clear.
 
-    BusError where an endpoint to connect to names no host.
+    BusError where an endpoint to connect to names no host, or one a port that there cannot be.
     """
     listens = zenoh_config.endpoints_of(config, "listen/endpoints")
     connects = zenoh_config.endpoints_of(config, "connect/endpoints")
     if nameless := [each for each in connects if endpoint_of(each).nameless]:
         raise BusError(f"--connect {nameless[0]}: names no host: write it as tcp/HOST:7447")
+    if unreal := [each for each in (*connects, *listens) if endpoint_of(each).port > LAST_PORT]:
+        raise BusError(f"{unreal[0]}: there is no such port: they end at {LAST_PORT}")
     if network.secure:
         check_secured(network.secure, network.mode, network.listen, [*listens, *connects], network.zenoh_config)
     elif not network.insecure:

@@ -18,6 +18,10 @@ class SecureError(ValueError):
     """Keys that cannot be used; the text is one line that says why, with the remedy."""
 
 
+class NotYetValid(SecureError):
+    """Keys that can be used later, by the clock of this machine."""
+
+
 @dataclass(frozen=True)
 class Credentials:
     """The keys of a role, in a folder of `cliffscan keys`, and the robots for which they are meant to be used."""

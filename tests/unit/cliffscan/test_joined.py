@@ -4,20 +4,23 @@ import pytest
 
 from cliffscan.joined import PATIENCE, TRIES, Joined
 
-OWN, OTHER = {"router-workstation", "fuse"}, {"router-workstation", "router-robot"}
+OWN = {"turtlebot/alive/router-workstation"}
+OTHER = OWN | {"turtlebot/alive/router-robot"}
+OF_A_CELL = OWN | {"cell3/alive/router-workstation"}
 
 
 @pytest.fixture
 def joined():
-    return Joined("router-workstation")
+    return Joined(*OWN)
 
 
-def looks(joined, tokens=OWN, many=PATIENCE, linked=True):
-    return [joined.is_shut(linked, tokens) for _ in range(many)]
+def looks(joined, routers=OWN, many=PATIENCE, linked=True):
+    return [joined.is_shut(linked, routers) for _ in range(many)]
 
 
-def test_a_router_that_answers_lets_things_pass(joined):
-    assert not any(looks(joined, OTHER, 10))
+@pytest.mark.parametrize("routers", [OTHER, OF_A_CELL])
+def test_a_router_that_answers_lets_things_pass(joined, routers):
+    assert not any(looks(joined, routers, 10))
 
 
 def test_one_that_is_not_reached_is_waited_for(joined):

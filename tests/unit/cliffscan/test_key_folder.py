@@ -172,6 +172,13 @@ def test_what_is_no_role_gets_no_keys(keys, role):
         keys.issue(role)
 
 
+def test_a_sensor_whose_name_no_certificate_holds_gets_nothing(keys):
+    role = f"sensor-{'x' * 60}"
+    with pytest.raises(SecureError, match="a certificate has room for 64 characters"):
+        keys.issue(role)
+    assert not (keys.directory / role).exists()
+
+
 def test_without_the_ca_nothing_is_made(keys):
     shutil.rmtree(keys.directory / "ca")
     with pytest.raises(SecureError, match=r"ca/key.pem: No such file .*: run this where `cliffscan keys init`"):

@@ -224,6 +224,7 @@ def test_perception_takes_the_settings_of_the_three():
         ([*ROBOT, "--base", "real"], "no camera is named: add --set capture.source=kinect$"),
         ([*ROBOT, *CAMERA, "--set", "kobuki.max_linear=5"], "kobuki.max_linear: "),
         (["--part", "workstation", "--connect", "tcp/:7447"], "--connect tcp/:7447: names no host"),
+        (["--part", "workstation", "--connect", "tcp/robot:74470"], "tcp/robot:74470: there is no such port"),
     ],
 )
 def test_a_part_that_cannot_be_is_refused_before_anything_is_started(words, why):

@@ -11,7 +11,7 @@ import pytest
 
 from cliffscan.common.runtime.bus import Bus
 from cliffscan.common.runtime.door import Keys
-from cliffscan.common.runtime.network import BusError, Network
+from cliffscan.common.runtime.network import BusError, Network, NotConnected
 from cliffscan.common.runtime.secure import Credentials
 from cliffscan.secure import authority
 from cliffscan.secure.folder import KeyFolder
@@ -113,14 +113,14 @@ def test_keys_of_another_user_are_refused_with_a_remedy(keys, monkeypatch):
         raise PermissionError(errno.EACCES, os.strerror(errno.EACCES))
 
     monkeypatch.setattr(Path, "exists", denied)
-    with pytest.raises(BusError, match=r"mine/fuse/ca\.pem: Permission denied: run this as the user whose keys"):
+    with pytest.raises(BusError, match=r"mine/fuse: Permission denied: run this as the user whose keys"):
         Bus(Network(secure=Credentials(keys / "mine", "fuse", ["mine"])), "mine")
 
 
 def test_a_certificate_of_the_future_is_for_a_clock_that_is_behind(keys, monkeypatch):
     monkeypatch.setattr(authority, "EARLIER", timedelta(days=-1))
     KeyFolder(keys / "mine").issue("fuse")
-    with pytest.raises(BusError, match=r"is not valid before .* set the clock"):
+    with pytest.raises(NotConnected, match=r"is not valid before .* set the clock"):
         Bus(Network(secure=Credentials(keys / "mine", "fuse", ["mine"])), "mine")
 
 
