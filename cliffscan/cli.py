@@ -44,6 +44,7 @@ from cliffscan.systemd import print_units
 from cliffscan.welcome import welcome
 
 SIMULATED = "simulated"
+ALIVE = 5.0  # [s] in which a router must answer, for `alive`
 VIEW_PORT, VIEW_BIND = 8080, "127.0.0.1"
 WORLD = "paper_room"  # has a hole 1.5 m ahead
 
@@ -313,6 +314,7 @@ def build_parser() -> argparse.ArgumentParser:
     alive_parser = add(
         "alive", on_bus(lambda a, bus, stop: alive(a.service, bus, looked(a), stop)), "Exit 0 if a service works."
     )
+    alive_parser.set_defaults(timeout=ALIVE)
     alive_parser.add_argument("service", help="as fuse, or router for any router-NAME")
     calibrating = add(
         "calibrate",

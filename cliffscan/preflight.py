@@ -1,5 +1,6 @@
 """What can be known to be wrong before any process is started."""
 
+import logging
 import os
 import socket
 from collections.abc import Iterable, Sequence
@@ -10,7 +11,9 @@ from pathlib import Path
 from cliffscan.common.runtime import config as configuration
 from cliffscan.common.runtime.config import ConfigError, ServiceConfig
 from cliffscan.common.runtime.endpoints import parse
-from cliffscan.common.runtime.network import BusError, Network, check
+from cliffscan.common.runtime.network import BusError, Network, NotConnected, check
+
+log = logging.getLogger("cliffscan")
 
 
 def config_class(service: str) -> type[ServiceConfig]:
@@ -38,12 +41,17 @@ def check_world(name: str) -> None:
 
 
 def check_networks(networks: Iterable[Network]) -> None:
-    """Raise ConfigError where a process could not be connected like this: for what it listens at, or for its keys."""
-    try:
-        for network in networks:
+    """Raise ConfigError where a process could not be connected like this: for what it listens at, or for its keys.
+
+    Keys that are not valid yet are waited for.
+    """
+    for network in networks:
+        try:
             check(network)
-    except BusError as error:
-        raise ConfigError(str(error)) from error
+        except NotConnected as error:
+            log.warning("%s", error)
+        except BusError as error:
+            raise ConfigError(str(error)) from error
 
 
 def check_free(endpoint: str) -> None:

@@ -17,9 +17,12 @@ TARGET = "cliffscan.target"
 CACHE = "cliffscan"  # folder in /var/cache, for compiled kernels
 PLAIN = re.compile(r"[\w@%+=:,./-]+")  # a word that systemd takes as it is
 
-# Devices by the name of their driver in /proc/devices. Distributions name a group differently: the first one counts.
-CAMERA = ("char-usb_device", "char-video4linux"), (("plugdev",), ("video",))
-BASE = ("char-ttyUSB", "char-ttyACM"), (("dialout", "uucp"),)
+# Devices by the name of their driver in /proc/devices, and the modules that put it there: a name that is not there when
+# a unit starts lets nothing in later. Distributions name a group differently: the first one counts.
+Drivers = tuple[Sequence[str], Sequence[str], Sequence[Sequence[str]]]
+NONE: Drivers = (), (), ()
+CAMERA: Drivers = ("char-usb_device", "char-video4linux"), ("videodev",), (("plugdev",), ("video",))
+BASE: Drivers = ("char-ttyUSB", "char-ttyACM"), ("usbserial", "cdc_acm"), (("dialout", "uucp"),)
 
 # What no process needs. MemoryDenyWriteExecute is left out: numba compiles.
 HARDENING = """\
@@ -65,13 +68,14 @@ WantedBy=multi-user.target
 
 
 def _service(plan: Plan, name: str, command: Sequence[str], user: str) -> str:
+    modules = [f"modprobe@{module}.service" for module in _drivers(plan, name)[1]]
     after = ["network-online.target", "time-sync.target", *([] if name == "router" else ["cliffscan-router.service"])]
     return f"""\
 [Unit]
 Description=cliffscan {name} of {plan.robot}
 Documentation=https://github.com/cliffscan/cliffscan/tree/main/docs
-After={" ".join(after)}
-Wants=network-online.target
+After={" ".join([*after, *modules])}
+Wants={" ".join(["network-online.target", *modules])}
 PartOf={TARGET}
 StartLimitIntervalSec=0
 
@@ -92,12 +96,17 @@ CacheDirectory={CACHE}
 """
 
 
+def _drivers(plan: Plan, name: str) -> Drivers:
+    """Of the devices that a process opens."""
+    return CAMERA if name == "capture" else BASE if name == plan.base_service else NONE
+
+
 def _devices(plan: Plan, name: str) -> Iterator[str]:
     """What a process may open, and the groups of this machine that let it."""
-    if name not in ("capture", plan.base_service):
+    drivers, _, groups = _drivers(plan, name)
+    if not drivers:
         yield "PrivateDevices=yes"
         return
-    drivers, groups = CAMERA if name == "capture" else BASE
     yield "DevicePolicy=closed"
     yield from (f"DeviceAllow={driver} rw" for driver in drivers)
     here = [found for names in groups if (found := next(filter(_exists, names), ""))]

@@ -12,8 +12,8 @@ from cliffscan.common.runtime import options
 from cliffscan.common.runtime.bus import Bus
 from cliffscan.common.runtime.config import ServiceConfig, load, meant_for
 from cliffscan.common.runtime.endpoints import parse
-from cliffscan.common.runtime.network import NotConnected
-from cliffscan.common.runtime.secure import SecureError
+from cliffscan.common.runtime.network import BusError, NotConnected
+from cliffscan.common.runtime.secure import SecureError, unreadable
 from cliffscan.common.runtime.service import package_version
 from cliffscan.common.runtime.stop_signal import StopSignal
 from cliffscan.doctor import devices, host
@@ -34,7 +34,7 @@ KEYS, NETWORK = "keys", "network"
 
 
 def doctor(arguments: argparse.Namespace, stop: StopSignal) -> int:
-    """Print a line for each finding; 1 where one is a fault. Raises BusError and ConfigError as other commands do."""
+    """Print a line for each finding; 1 where one is a fault. Raises ConfigError as other commands do."""
     findings = []
     for finding in _look(arguments, stop):
         findings.append(finding)
@@ -43,14 +43,17 @@ def doctor(arguments: argparse.Namespace, stop: StopSignal) -> int:
 
 
 def _look(arguments: argparse.Namespace, stop: StopSignal) -> Iterator[Finding]:
-    yield host.check_clock(host.clock_state())
+    yield host.check_clock(host.clock_state(), arguments.part)
     if arguments.part or _beyond(arguments.connect):
         yield host.check_congestion()
-    yield from check_keys(arguments.secure, arguments.connect, arguments.robot)
+    keys = list(check_keys(arguments.secure, arguments.connect, arguments.robot))
+    yield from keys
     try:
         bus = Bus(options.network(arguments), arguments.robot)
-    except NotConnected as error:
-        yield fault(NETWORK, f"{error}; start `cliffscan up` or `cliffscan router`, or name another with --connect")
+    except BusError as error:
+        waits = isinstance(error, NotConnected) and worst(keys) is not Level.FAULT
+        remedy = "; start `cliffscan up` or `cliffscan router`, or name another with --connect" if waits else ""
+        yield fault(NETWORK, f"{error}{remedy}")
         yield from check_devices(arguments, Observation())
         return
     with bus:
@@ -89,7 +92,11 @@ def check_keys(folder: Path | None, connect: list[str], robot: str) -> Iterator[
         return
     roles = sorted(each.parent.name for each in folder.glob("*/cert.pem") if each.parent.name != "ca")
     if not roles:
-        yield fault(KEYS, f"{folder}: has none: copy the folders of this host's roles to it (`cliffscan keys init`)")
+        yield fault(
+            KEYS,
+            unreadable(folder)
+            or f"{folder}: has none: copy the folders of this host's roles to it (`cliffscan keys init`)",
+        )
     for role in roles:
         yield _check_role(folder, role, robot)
 

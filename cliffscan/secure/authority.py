@@ -1,6 +1,7 @@
 """A certificate authority of one robot, and the certificates that it issues. Nothing is read or written here."""
 
 import ipaddress
+import re
 from collections.abc import Sequence
 from datetime import UTC, datetime, timedelta
 from typing import NamedTuple
@@ -17,6 +18,7 @@ CA_NAME = "cliffscan CA"
 CA_LIFE = timedelta(days=3650)
 EARLIER = timedelta(hours=1)  # a certificate holds for a clock that is a little behind
 LONGEST_NAME = 64  # characters that a robot and a role may have in a certificate
+HOST = re.compile(r"[A-Za-z0-9_.-]+")
 THIS_MACHINE = ("localhost", "127.0.0.1", "::1")
 
 
@@ -109,9 +111,8 @@ def host_name(text: str) -> x509.GeneralName:
         return x509.IPAddress(ipaddress.ip_address(text))
     except ValueError:
         pass
-    try:
-        return x509.DNSName(text)
-    except ValueError as error:
+    if not HOST.fullmatch(text):
         raise SecureError(
-            f"--host {text}: a certificate names hosts in ASCII; write it as xn--… or its address"
-        ) from error
+            f"--host {text}: is no host's name: letters, digits, - and ., without a port; xn--… for others"
+        )
+    return x509.DNSName(text)

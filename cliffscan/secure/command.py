@@ -93,7 +93,7 @@ def _folder(arguments: argparse.Namespace) -> KeyFolder:
 
 
 def _days(text: str) -> int:
-    value = int(text)
+    value = int(text) if text.isdecimal() else 0
     if not 0 < value <= 3650:
         raise argparse.ArgumentTypeError(f"{text} days, expected 1 to 3650")
     return value

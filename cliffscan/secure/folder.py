@@ -18,23 +18,26 @@ from cryptography.hazmat.primitives.serialization import (
 from cliffscan.common.contract.roles import ROLES, SENSOR, Role, is_sensor, role_names, sensor
 from cliffscan.common.contract.ros_keys import DOMAIN
 from cliffscan.common.runtime import zenoh_config
-from cliffscan.common.runtime.identity import SOON, examine, identity_of, read_certificate
+from cliffscan.common.runtime.identity import SOON, WHOLE, examine, identity_of, read_certificate
 from cliffscan.common.runtime.secure import (
+    CA,
     CERTIFICATE,
     CONFIG,
     KEY,
+    OWNER,
     ROOT,
     ROS_DOMAIN,
     ROUTERS,
     TLS,
     SecureError,
+    unreadable,
 )
 from cliffscan.common.runtime.suggest import suggest
 from cliffscan.secure import role_file
 from cliffscan.secure.authority import LONGEST_NAME, Authority, host_name, issue, make_authority, new_key
 from cliffscan.secure.role_file import MadeFor
 
-CA, MADE_FOR = "ca", "made_for.json"
+MADE_FOR = "made_for.json"
 LIFE = timedelta(days=365)
 SECRET, PUBLIC, PRIVATE_FOLDER = 0o600, 0o644, 0o700
 
@@ -60,10 +63,10 @@ class KeyFolder:
                 raise SecureError(
                     f"{self.directory}: is not empty: name another folder, or `cliffscan keys issue` or `renew`"
                 )
-            _make_folder(self.directory)
-            _make_folder(self._ca)
         except OSError as error:
             raise SecureError(f"{error.filename}: {error.strerror}; name another folder") from error
+        for each in (self.directory, self._ca):
+            _make_folder(each)
         _write(self._ca / KEY, _pem(authority.key), SECRET)
         _write(self._ca / CERTIFICATE, authority.certificate.public_bytes(Encoding.PEM), PUBLIC)
         made_for = MadeFor(robot, list(hosts), ros_domain)
@@ -130,7 +133,10 @@ class KeyFolder:
         """The roles whose folders are here. Raises SecureError where there are none."""
         found = [each.parent.name for each in sorted(self.directory.glob(f"*/{CONFIG}"))]
         if not found:
-            raise SecureError(f"{self.directory}: has no keys; `cliffscan keys init {self.directory}` makes some")
+            raise SecureError(
+                unreadable(self.directory)
+                or f"{self.directory}: has no keys; `cliffscan keys init {self.directory}` makes some"
+            )
         return found
 
     def _issue(self, role: str, key: ec.EllipticCurvePrivateKey, life: timedelta) -> None:
@@ -163,7 +169,7 @@ class KeyFolder:
         file, expected = self.directory / role / CONFIG, self._settings(role)
         try:
             written = zenoh_config.written_in(file)
-        except zenoh_config.Refused:
+        except (zenoh_config.Refused, ValueError):  # ValueError: it is no text
             return f"{file}: is no Zenoh file: `cliffscan keys renew {self.directory}` writes it anew"
         for key in [*(f"{TLS}/{name}" for name in expected["transport"]["link"]["tls"]), ROS_DOMAIN]:
             is_now, value = (zenoh_config.given_value(each, key) for each in (written, expected))
@@ -188,12 +194,22 @@ class KeyFolder:
         return [*ROLES, *(sensor(name.removeprefix(SENSOR)) for name in sensors)]
 
     def _made_for(self) -> MadeFor:
-        return MadeFor(**json.loads(self._read(self._ca / MADE_FOR)))
+        file = self._ca / MADE_FOR
+        data = self._read(file)
+        try:
+            return MadeFor(**json.loads(data))
+        except (ValueError, TypeError) as error:
+            raise SecureError(f"{file}: is not as `cliffscan keys init` made it: {WHOLE}") from error
 
     def _authority(self) -> Authority:
-        key = load_pem_private_key(self._read(self._ca / KEY), None)
+        file = self._ca / KEY
+        data = self._read(file)
+        try:
+            key = load_pem_private_key(data, None)
+        except (ValueError, TypeError) as error:
+            raise SecureError(f"{file}: is no private key: {WHOLE}") from error
         if not isinstance(key, ec.EllipticCurvePrivateKey):
-            raise SecureError(f"{self._ca / KEY}: is no key that `cliffscan keys init` made")
+            raise SecureError(f"{file}: is no key that `cliffscan keys init` made: {WHOLE}")
         return Authority(read_certificate(self._ca / CERTIFICATE), key)
 
     def _read(self, file: Path) -> bytes:
@@ -218,16 +234,23 @@ def _ends_soon(authority: Path) -> str:
 
 
 def _make_folder(folder: Path) -> None:
-    folder.mkdir(mode=PRIVATE_FOLDER, parents=True, exist_ok=True)
+    try:
+        folder.mkdir(mode=PRIVATE_FOLDER, parents=True, exist_ok=True)
+    except OSError as error:
+        raise SecureError(f"{folder}: {error.strerror}; name another folder") from error
 
 
 def _write(file: Path, data: bytes, mode: int) -> None:
     """Put a file in the place of one of that name, never readable by more than `mode` says."""
     beside = file.with_name(f".{file.name}.new")
-    beside.unlink(missing_ok=True)
-    with os.fdopen(os.open(beside, os.O_WRONLY | os.O_CREAT | os.O_EXCL, mode), "wb") as writing:
-        writing.write(data)
-    beside.replace(file)
+    try:
+        beside.unlink(missing_ok=True)
+        with os.fdopen(os.open(beside, os.O_WRONLY | os.O_CREAT | os.O_EXCL, mode), "wb") as writing:
+            writing.write(data)
+        beside.replace(file)
+    except OSError as error:
+        remedy = f": {OWNER}" if isinstance(error, PermissionError) else ""
+        raise SecureError(f"{file}: {error.strerror}{remedy}") from error
 
 
 def _pem(key: ec.EllipticCurvePrivateKey) -> bytes:

@@ -27,6 +27,11 @@ class Endpoint(NamedTuple):
         return self.protocol in NETWORKED and not self.host
 
     @property
+    def portless(self) -> bool:
+        """Whether it lacks the port that its protocol needs to connect."""
+        return self.protocol in NETWORKED and not self.port
+
+    @property
     def keyed(self) -> bool:
         """Whether what passes is encrypted, and either side may ask for keys."""
         return self.protocol in KEYED
@@ -35,5 +40,7 @@ class Endpoint(NamedTuple):
 def parse(text: str) -> Endpoint:
     """The parts of an endpoint's text; Zenoh says what is wrong with it."""
     protocol, _, address = text.partition("#")[0].partition("?")[0].partition("/")
-    host, _, port = address.rpartition(":")
+    host, colon, port = address.rpartition(":")
+    if protocol in NETWORKED and (not colon or address.endswith("]")):  # it names no port
+        host, port = address, ""
     return Endpoint(protocol, host.strip("[]"), int(port) if port.isdecimal() else 0)

@@ -15,9 +15,9 @@ from cryptography.hazmat.primitives.serialization import Encoding, PublicFormat,
 from cryptography.x509.oid import NameOID
 
 from cliffscan.common.contract.roles import names
-from cliffscan.common.runtime.secure import CERTIFICATE, CONFIG, FILES, KEY, ROOT, NotYetValid, SecureError
+from cliffscan.common.runtime.secure import CA, CERTIFICATE, CONFIG, FILES, KEY, OWNER, ROOT, NotYetValid, SecureError
 
-OWNER = "run this as the user whose keys they are"
+WHOLE = "copy ca/ from where it is whole, or make all keys anew by `cliffscan keys init`"
 SOON = 30  # [days] before the end of a certificate in which a person is told
 
 
@@ -66,7 +66,9 @@ def examine(folder: Path, role: str, robots: Sequence[str]) -> Identity:
     A router that keeps other rules or another CA can only be noticed when it is asked.
     """
     if not _is_there(folder):
-        raise SecureError(f"{folder}: is not there: `cliffscan keys issue {folder.parent} {role}` makes it")
+        if not _is_there(folder.parent):
+            raise SecureError(f"{folder.parent}: is not there: is the name right? `cliffscan keys init` makes keys")
+        raise SecureError(f"{folder}: is not there; {_remedy(folder / CERTIFICATE)}")
     for name in FILES:
         if not _is_there(folder / name):
             raise SecureError(f"{folder / name}: is not there; {_remedy(folder / name)}")
@@ -126,6 +128,11 @@ def _check_origin(folder: Path, certificate: x509.Certificate, root: x509.Certif
 
 def _remedy(file: Path) -> str:
     """How a file of a role comes to be as it should."""
+    folder, role = file.parents[1], file.parent.name
+    if role == CA:
+        return WHOLE
+    if not (folder / CA).is_dir():
+        return f"copy the folder {role} from where `cliffscan keys init` made it"
     if file.name == CONFIG:
-        return f"`cliffscan keys renew {file.parents[1]}` writes it"
-    return f"`cliffscan keys issue {file.parents[1]} {file.parent.name}` makes it anew"
+        return f"`cliffscan keys renew {folder}` writes it"
+    return f"`cliffscan keys issue {folder} {role}` makes it anew"

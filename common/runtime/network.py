@@ -53,7 +53,7 @@ class Network:
             "connect/endpoints": self.connect,
             "listen/endpoints": self.listen,
         }
-        if self.connect or (self.listen and self.mode != "router"):  # a router answers whoever looks for one
+        if self.mode != "router" and (self.connect or self.listen):  # a router answers whoever looks for one
             named["scouting/multicast/enabled"] = False  # others are where they were told to be
         keys = tls_settings(self.secure.folder, self.secure.role) if self.secure else {}
         return keys | {key: value for key, value in named.items() if value not in (None, [])}
@@ -72,6 +72,8 @@ def targets(network: Network) -> list[str]:
 def _configured(network: Network) -> tuple[zenoh.Config, Keys | None]:
     """Zenoh's configuration, and the keys where there are some. Raises BusError."""
     try:
+        if shapeless := [each for each in (*network.connect, *network.listen) if "/" not in each]:
+            raise BusError(f"{shapeless[0]}: names no protocol: write it as tcp/HOST:PORT")
         keys = Keys.of(network.secure) if network.secure else None
         config = zenoh_config.build(network.settings(), network.file)
         _check_endpoints(network, config)
@@ -103,12 +105,14 @@ def open_session(network: Network, robot: str) -> tuple[zenoh.Session, Door]:
 def _check_endpoints(network: Network, config: zenoh.Config) -> None:
     """Raise SecureError where others could connect without keys, or a secured process speaks in the clear.
 
-    BusError where an endpoint to connect to names no host, or one a port that there cannot be.
+    BusError where an endpoint to connect to names no host or port, or one a port that there cannot be.
     """
     listens = zenoh_config.endpoints_of(config, "listen/endpoints")
     connects = zenoh_config.endpoints_of(config, "connect/endpoints")
     if nameless := [each for each in connects if endpoint_of(each).nameless]:
         raise BusError(f"--connect {nameless[0]}: names no host: write it as tcp/HOST:7447")
+    if portless := [each for each in connects if endpoint_of(each).portless]:
+        raise BusError(f"--connect {portless[0]}: names no port: write it as tcp/HOST:7447")
     if unreal := [each for each in (*connects, *listens) if endpoint_of(each).port > LAST_PORT]:
         raise BusError(f"{unreal[0]}: there is no such port: they end at {LAST_PORT}")
     if network.secure:

@@ -9,6 +9,8 @@ from cliffscan.common.runtime.endpoints import parse
 
 ROOT, CERTIFICATE, KEY, CONFIG = "ca.pem", "cert.pem", "key.pem", "zenoh.json5"
 FILES = (ROOT, CERTIFICATE, KEY, CONFIG)
+CA = "ca"  # the folder of what signs; on no host but that where the keys are made
+OWNER = "run this as the user whose keys they are"
 ROUTERS = (ROUTER, WORKSTATION_ROUTER)
 TLS = "transport/link/tls"
 ROS_DOMAIN = "metadata/ros_domain"  # in a role's Zenoh file: the domain of ROS 2 for which the routers have rules
@@ -20,6 +22,18 @@ class SecureError(ValueError):
 
 class NotYetValid(SecureError):
     """Keys that can be used later, by the clock of this machine."""
+
+
+def unreadable(folder: Path) -> str:
+    """That a folder of keys, or one in it, is another user's; empty where it is not."""
+    try:
+        for each in (folder, *folder.iterdir()):
+            (each / CERTIFICATE).exists()
+    except PermissionError as error:
+        return f"{error.filename}: {error.strerror}: {OWNER}"
+    except OSError:  # it is not there, or is no folder
+        pass
+    return ""
 
 
 @dataclass(frozen=True)

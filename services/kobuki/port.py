@@ -24,6 +24,7 @@ PSEUDO_TERMINALS = range(136, 144)  # major device numbers on Linux
 REMEDIES = {
     errno.ENOENT: "no such device: plug the base in, switch it on, and install udev/60-kobuki.rules",
     errno.EACCES: "permission denied: join the group dialout and log in again, or install udev/60-kobuki.rules",
+    errno.EPERM: "not permitted: restart the unit or container that this runs in, now that the base is plugged in",
     errno.EBUSY: "another program has it: end that first",
     errno.EAGAIN: "another program has it: end that first",
 }

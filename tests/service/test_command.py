@@ -211,6 +211,22 @@ def test_the_doctor_finds_what_is_there_and_what_is_not(client, start, place):
     assert "base port" not in looked.stdout
 
 
+def test_the_doctor_looks_at_the_devices_whatever_the_keys_are(tmp_path):
+    (tmp_path / "recorder").mkdir()
+    (tmp_path / "recorder/cert.pem").write_text("")
+    looked = ask("doctor", "--secure", str(tmp_path), "--part", "robot")
+    assert looked.returncode == 1
+    assert re.search(r"fault +keys of recorder", looked.stdout)
+    assert re.search(r"fault +network .*copy the folder recorder from where", looked.stdout)
+    assert re.search(r"\w+ +base ", looked.stdout)
+
+
+def test_who_asks_whether_a_service_is_alive_waits_for_no_router_for_ever():
+    asked = ask("alive", "fuse", "--mode", "client", "--connect", free_endpoint())
+    assert asked.returncode == 1
+    assert "no router within 5 s" in asked.stderr
+
+
 def test_the_doctor_names_a_router_that_is_not_there():
     looked = ask("doctor", "--connect", free_endpoint(), "--mode", "client")
     assert looked.returncode == 1

@@ -1,10 +1,13 @@
 """What `cliffscan keys` writes, finds wrong and renews."""
 
+import errno
 import json
+import os
 import re
 import shutil
 import stat
 from datetime import timedelta
+from pathlib import Path
 
 import pytest
 import zenoh
@@ -12,7 +15,7 @@ import zenoh
 from cliffscan.cli import build_parser
 from cliffscan.common.contract.roles import role_names
 from cliffscan.common.runtime.identity import read_certificate
-from cliffscan.common.runtime.secure import FILES, SecureError
+from cliffscan.common.runtime.secure import FILES, SecureError, unreadable
 from cliffscan.secure import authority
 from cliffscan.secure.folder import KeyFolder
 
@@ -85,9 +88,10 @@ def test_a_robot_whose_keys_would_be_those_of_ros_gets_none(tmp_path, robot):
     assert not (tmp_path / "keys").exists()
 
 
-def test_a_host_that_no_certificate_can_name_is_refused_before_anything_is_made(tmp_path):
-    with pytest.raises(SecureError, match="--host rübe: a certificate names hosts in ASCII"):
-        KeyFolder(tmp_path / "keys").init("r", ["robot.local", "rübe"])
+@pytest.mark.parametrize("host", ["rübe", "robot.local:7447", "tcp/robot.local", "two words"])
+def test_a_host_that_no_certificate_can_name_is_refused_before_anything_is_made(tmp_path, host):
+    with pytest.raises(SecureError, match=f"--host {host}: is no host's name"):
+        KeyFolder(tmp_path / "keys").init("r", ["robot.local", host])
     assert not (tmp_path / "keys").exists()
 
 
@@ -194,3 +198,36 @@ def test_the_cas_key_may_be_kept_elsewhere(keys):
 def test_no_folder_has_no_keys(tmp_path):
     with pytest.raises(SecureError, match="has no keys; `cliffscan keys init"):
         list(KeyFolder(tmp_path).check())
+
+
+@pytest.mark.parametrize("file", ["key.pem", "made_for.json", "cert.pem"])
+def test_a_ca_that_was_damaged_is_told_with_a_remedy(keys, file):
+    (keys.directory / "ca" / file).write_bytes(b"")
+    with pytest.raises(SecureError, match=f"ca/{file}: is .* copy ca/ from where it is whole"):
+        keys.issue("fuse")
+
+
+def test_a_zenoh_file_that_is_no_text_is_told_and_renewed(keys):
+    (keys.directory / "fuse/zenoh.json5").write_bytes(b"\xff\xfe")
+    assert [line for role, line, good in keys.check() if role == "fuse" and not good]
+    assert "fuse" in keys.renew()
+    assert all(good for *_, good in keys.check())
+
+
+def test_what_cannot_be_written_is_told(keys, monkeypatch):
+    def denied(*_):
+        raise PermissionError(errno.EACCES, os.strerror(errno.EACCES))
+
+    monkeypatch.setattr(os, "open", denied)
+    with pytest.raises(SecureError, match="Permission denied: run this as the user whose keys they are"):
+        keys.renew()
+
+
+def test_another_users_folder_is_told_from_one_without_keys(keys, monkeypatch):
+    def denied(path):
+        raise PermissionError(errno.EACCES, os.strerror(errno.EACCES), str(path))
+
+    monkeypatch.setattr(Path, "exists", denied)
+    assert "Permission denied: run this as the user whose" in unreadable(keys.directory)
+    monkeypatch.undo()
+    assert unreadable(keys.directory) == unreadable(keys.directory / "none") == ""

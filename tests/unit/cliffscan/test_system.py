@@ -144,7 +144,7 @@ def test_a_robot_is_open_to_others_only_where_that_is_said(listen):
 def test_keys_are_looked_at_before_anything_is_started(tmp_path):
     keys = tmp_path / "keys"
     plan = plan_of(build_parser().parse_args(["up", "--secure", str(keys)]))
-    with pytest.raises(ConfigError, match=f"{keys}/router: is not there: `cliffscan keys issue"):
+    with pytest.raises(ConfigError, match=f"{keys}: is not there: is the name right"):
         plan.check()
     KeyFolder(keys).init("turtlebot", [])
     plan.check()

@@ -59,6 +59,9 @@ def test_only_camera_and_base_reach_a_device(tmp_path):
             allowed = " ".join(values(unit, "DeviceAllow"))
             assert ("usb_device" in allowed) == ("capture" in name) == ("ttyUSB" not in allowed)
             assert values(unit, "DevicePolicy") == ["closed"]
+            modules = {"modprobe@videodev"} if "capture" in name else {"modprobe@usbserial", "modprobe@cdc_acm"}
+            for key in ("After", "Wants"):  # else systemd knows no device of that name when the unit starts
+                assert {f"{module}.service" for module in modules} <= set(values(unit, key)[0].split())
         elif name.endswith(".service"):
             assert values(unit, "PrivateDevices") == ["yes"]
 

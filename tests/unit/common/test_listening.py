@@ -1,5 +1,7 @@
 """Other machines connect with keys, or because somebody says so."""
 
+import re
+
 import pytest
 
 from cliffscan.common.runtime.endpoints import parse
@@ -81,6 +83,30 @@ def test_a_process_with_keys_needs_no_more(keys, role):
 def test_endpoints_are_read_as_zenoh_writes_them():
     assert parse("tls/[fe80::1]:7447?prio=6-7#so_sndbuf=65536") == ("tls", "fe80::1", 7447)
     assert parse("unixsock-stream/tmp/x") == ("unixsock-stream", "", 0)
+    assert parse("tcp/robot.local") == ("tcp", "robot.local", 0)
+    assert parse("tcp/[::1]") == ("tcp", "::1", 0)
+
+
+@pytest.mark.parametrize(
+    ("endpoint", "why"),
+    [
+        ("tcp/127.0.0.1", "names no port: write it as tcp/HOST:7447"),
+        ("tcp/[::1]", "names no port: write it as tcp/HOST:7447"),
+        ("tcp/:7447", "names no host: write it as tcp/HOST:7447"),
+        ("robot.local:7447", "names no protocol: write it as tcp/HOST:PORT"),
+        ("tcp/robot.local:65536", "there is no such port"),
+        ("tcp/robot.local:99999999999999999999", "there is no such port"),
+    ],
+)
+def test_an_endpoint_that_lacks_something_is_told_with_its_remedy(endpoint, why):
+    with pytest.raises(BusError, match=f"{re.escape(endpoint)}: {why}"):
+        check(Network(connect=[endpoint]))
+
+
+def test_a_router_that_joins_another_one_is_found_by_the_processes_of_its_machine():
+    found = "scouting/multicast/enabled"
+    assert found not in Network("router", ["tcp/robot:7447"]).settings()
+    assert Network("client", ["tcp/robot:7447"]).settings()[found] is False
 
 
 def test_every_robot_of_a_process_must_be_the_keys(keys):

@@ -8,6 +8,8 @@ def test_a_clock_that_nothing_sets_is_told():
     assert clock_state() in range(-1, 6)
     assert check_clock(5).level is Level.WARNING
     assert [check_clock(state).level for state in (0, -1)] == [Level.OK] * 2
+    assert check_clock(5, "robot").level is Level.WARNING
+    assert check_clock(5, "workstation").level is Level.OK  # which may be the one that gives the time
 
 
 def test_a_congestion_control_that_stalls_is_told_with_the_command(tmp_path):
