@@ -5,7 +5,7 @@ published its last scan, and the second begins when all of them have been away f
 """
 
 from collections import defaultdict
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 from enum import Enum, auto
 
 from cliffscan.common.contract.topics import WORKSTATION
@@ -17,6 +17,7 @@ SETTLED = 0.15  # [s] in which tokens that were declared at the same time have r
 MOST = 64  # robots that a process of the fleet claims
 REMEMBERED = 1024  # robots of which it is known that others served them
 LEAVING = 1.0  # [s] in which what another process publishes may be the last of one that leaves the robot to this one
+LYING = 5.0  # [s] for which a robot may lie with a member that claims none; it hangs, or no good image reaches it
 YIELDED = 3.0  # [s] after the last status of another service in which a robot is left to it
 
 
@@ -39,6 +40,8 @@ class Standings:
         self._named = named
         self._began = now
         self._members: set[str] = set()
+        self._idle: set[str] = set()  # members that let robots lie; no share is theirs until they claim one
+        self._lying_since: dict[str, float] = {}  # robots that fell to another member and are not claimed
         self._claims: defaultdict[str, set[str]] = defaultdict(set)  # of others
         self._services: defaultdict[str, set[str]] = defaultdict(set)  # PARTS that are alive, ours too
         self._held: set[str] = set()  # robots that were served or claimed, of late
@@ -53,6 +56,7 @@ class Standings:
         """Another process of the fleet came or went."""
         if name != self._me:
             (self._members.add if here else self._members.discard)(name)
+            self._idle.discard(name)
 
     def token(self, robot: str, service: str, here: bool) -> None:
         """A token below a robot's name came or went; those of this process count only as tokens of services."""
@@ -60,6 +64,7 @@ class Standings:
         if name == self._me or (service not in PARTS and not service.startswith(CLAIM)):
             return
         if here:
+            self._idle.discard(name)
             kept[robot].add(name)
             if len(self._held) >= REMEMBERED:
                 self._held.clear()
@@ -105,7 +110,7 @@ class Standings:
         """What changes for which robot, of those that publish; from now on it is so."""
         if self._named is None and now - self._began < SETTLED:
             return {}  # others' claims may not have come yet
-        ours = self._ours(robots)
+        ours = self._ours(robots, now)
         if self._named is None:
             room = MOST - len(ours & self._of.keys())
             self.beyond = set(sorted(ours - self._of.keys())[max(room, 0) :])
@@ -119,11 +124,11 @@ class Standings:
         self._heard = {robot: at for robot, at in self._heard.items() if robot in self._served_since}
         return changes
 
-    def _ours(self, robots: Collection[str]) -> set[str]:
+    def _ours(self, robots: Collection[str], now: float) -> set[str]:
         """The robots that fall to this process, whoever serves them now."""
         if self._named is not None:
             return {robot for robot in self._named if self._goes_first(robot, self._by_name(robot))}
-        members = {self._me, *self._members}
+        members = {self._me, *self._members} - self._idle
         holders = {robot: heaviest(robot, held) for robot, claims in self._claims.items() if (held := claims & members)}
         for robot in self._of:
             if self._goes_first(robot, self._claims.get(robot, set())):
@@ -131,7 +136,15 @@ class Standings:
         served = {robot for robot in robots if self._is_for_members(robot)}
         of_members = {robot: member for robot, member in holders.items() if self._is_for_members(robot)}
         shares = balanced(served, members, of_members)
+        self._look_for_idle({robot: shares[robot] for robot in served - self._claims.keys() - self._of.keys()}, now)
         return {robot for robot, member in shares.items() if member == self._me and robot in served}
+
+    def _look_for_idle(self, unclaimed: Mapping[str, str], now: float) -> None:
+        """Find members to which robots fall that they leave lying. unclaimed: robots, and to whom they fall."""
+        claiming = set().union(*self._claims.values())
+        lying = {robot for robot, member in unclaimed.items() if member not in (self._me, *claiming)}
+        self._lying_since = {robot: self._lying_since.get(robot, now) for robot in lying}
+        self._idle |= {unclaimed[robot] for robot in lying if now - self._lying_since[robot] >= LYING}
 
     def _by_name(self, robot: str) -> set[str]:
         """The other processes that were started for a robot by its name."""

@@ -4,7 +4,7 @@ from collections import Counter, defaultdict
 
 import pytest
 
-from cliffscan.services.perception.standing import CLAIM, MOST, PARTS, SETTLED, Standing, Standings
+from cliffscan.services.perception.standing import CLAIM, LYING, MOST, PARTS, SETTLED, Standing, Standings
 
 TICK = 0.01  # [s]
 ROBOTS = [f"cell{number % 3}/r{number}" for number in range(14)]
@@ -235,6 +235,26 @@ def test_of_two_that_did_not_see_each_other_one_goes_on_whatever_the_other_said_
     assert not standings.status("a", 2.0)
     assert not standings.status("a", 2.01)
     assert standings.status("a", 2.9)
+
+
+def test_robots_that_a_member_leaves_lying_are_served_by_another():
+    robots = [f"r{number}" for number in range(6)]
+    net = Net(robots)
+    net.start("m")
+    net.run(1.0)
+    net.start("deaf")
+    deaf, robots_of_the_deaf = net.processes["deaf"], []
+    step, deaf.step = deaf.step, lambda _: step(robots_of_the_deaf)
+    net.run(2.0)
+    assert net.loads() == {"m": 3}
+    net.run(LYING)
+    assert net.loads() == {"m": 6}
+    net.run(20.0)
+    assert net.loads() == {"m": 6}
+    robots_of_the_deaf += [*robots, "new", "newer"]  # it hears them again, and claims the next that come
+    net.robots += ["new", "newer"]
+    net.run(2.0)
+    assert net.loads() == {"m": 4, "deaf": 4}
 
 
 def test_what_works_for_a_robots_own_perception_is_always_named():
