@@ -3,6 +3,8 @@
 from cliffscan.parts import GATE, NO_BASE, WORKSTATION, listening
 from cliffscan.system import Plan
 
+ANY, HERE = "0.0.0.0", "THIS_HOST"  # noqa: S104 - at which a router listens, and what others write for it
+
 
 def welcome(plan: Plan) -> str:
     """Some lines for a person at an 80-column terminal."""
@@ -27,7 +29,7 @@ def _started(plan: Plan) -> str:
     if plan.part == WORKSTATION:
         return f"{', '.join(plan.services)}, for the robot at {', '.join(plan.join) or 'the host that its keys name'}"
     here = _robot(plan)
-    return f"{here}; the workstation connects to {plan.listen[0]}" if plan.part else here
+    return f"{here}; the workstation connects to {plan.listen[0].replace(ANY, HERE)}" if plan.part else here
 
 
 def _robot(plan: Plan) -> str:

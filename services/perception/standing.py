@@ -136,11 +136,12 @@ class Standings:
         served = {robot for robot in robots if self._is_for_members(robot)}
         of_members = {robot: member for robot, member in holders.items() if self._is_for_members(robot)}
         shares = balanced(served, members, of_members)
-        self._look_for_idle({robot: shares[robot] for robot in served - self._claims.keys() - self._of.keys()}, now)
+        unclaimed = served - self._claims.keys() - self._of.keys() - self._services.keys()
+        self._look_for_idle({robot: shares[robot] for robot in unclaimed}, now)
         return {robot for robot, member in shares.items() if member == self._me and robot in served}
 
     def _look_for_idle(self, unclaimed: Mapping[str, str], now: float) -> None:
-        """Find members to which robots fall that they leave lying. unclaimed: robots, and to whom they fall."""
+        """Find members that leave robots lying. unclaimed: robots that nobody serves, and to whom they fall."""
         claiming = set().union(*self._claims.values())
         lying = {robot for robot, member in unclaimed.items() if member not in (self._me, *claiming)}
         self._lying_since = {robot: self._lying_since.get(robot, now) for robot in lying}

@@ -181,6 +181,7 @@ def test_each_part_starts_its_own_services(words, services):
     plan.check()
     assert plan.services == services
     assert "cliffscan status" in welcome(plan)
+    assert "0.0.0.0" not in welcome(plan)  # noqa: S104 - to which nobody connects
 
 
 def test_the_two_parts_meet_at_the_robots_port():

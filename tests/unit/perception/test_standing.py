@@ -257,6 +257,17 @@ def test_robots_that_a_member_leaves_lying_are_served_by_another():
     assert net.loads() == {"m": 4, "deaf": 4}
 
 
+def test_a_member_is_not_idle_for_robots_that_are_served_by_services_of_their_own():
+    net = Net(["r0", "r1"])
+    other = Process(net, "negative of its own", None)
+    for robot in net.robots:
+        net.set(other, "negative", robot, True)
+    for name in "mn":
+        net.start(name)
+    net.run(2 * LYING)
+    assert not any(each.standings._idle for each in net.processes.values())
+
+
 def test_what_works_for_a_robots_own_perception_is_always_named():
     net = Net(["a", "a/workstation"])
     net.start("m")
