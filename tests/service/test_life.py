@@ -42,7 +42,7 @@ def test_dump_config_reads_back_to_itself(service, tmp_path, ask_here):
         (["--set", "floor_band"], "expected negative.KEY=VALUE"),
         (["--set", "capture.rate=5"], "this service reads negative.KEY and scan.KEY only"),
         (["--config", "nowhere.toml"], "nowhere.toml"),
-        (["--connect", "nonsense"], "Zenoh refuses"),
+        (["--connect", "nonsense"], "names no protocol"),
         (["--robot", "a*b"], "no robot name"),
     ],
 )

@@ -31,6 +31,7 @@ from tests.service.conftest import repeated
 from tests.service.test_ros2 import description, fused, odometry, peer, repeat, twist  # noqa: F401 - fixtures
 
 STOP = "cliffscan/stop"
+TRIES = 12  # of the SDK to get what is latched
 
 
 class PlainAttachment:
@@ -208,9 +209,9 @@ def test_the_sdk_joins_late_and_gets_what_is_latched(client, start, sdk):
 
 def joined_late(sdk, topic, kind, latched):
     """What is latched; the SDK asks once, when it subscribes, and does not wait for an answer on a busy machine."""
-    for _ in range(4):
+    for _ in range(TRIES):
         with contextlib.suppress(queue.Empty):
-            return heard_by_sdk(sdk, topic, kind, **latched).get(timeout=DEADLINE / 4)
+            return heard_by_sdk(sdk, topic, kind, **latched).get(timeout=DEADLINE / TRIES)
     raise AssertionError(f"{topic} did not come")
 
 
