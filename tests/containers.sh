@@ -110,6 +110,13 @@ docker run --rm --entrypoint python "$BASE_IMAGE" --version
 
 say "images"
 COMPOSE_PARALLEL_LIMIT=1 "${compose[@]}" build >"$work/build.log" 2>&1 || { tail --lines 40 "$work/build.log"; exit 1; }
+for service in perception gate ros2; do  # which no profile has
+    image=$COMPOSE_PROJECT_NAME-$service
+    docker build --tag "$image" --build-arg "SERVICE=$service" --build-arg "BASE=$BASE_IMAGE" \
+        --build-arg PIP_INDEX_URL --build-arg PIP_EXTRA_INDEX_URL . >>"$work/build.log" 2>&1 ||
+        { tail --lines 40 "$work/build.log"; exit 1; }
+    docker run --rm "$image" --dump-config >/dev/null
+done
 docker image ls --filter "reference=$COMPOSE_PROJECT_NAME-*"
 
 say "an emulated base"

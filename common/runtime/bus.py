@@ -326,7 +326,8 @@ class Bus:
     def _tokens(self, pattern: str, timeout: float) -> Iterator[str]:
         """The keys of the tokens on a pattern.
 
-        A session that watches them answers by itself before the question returns, so all must have room.
+        A session that watches them answers by itself before the question returns, so all must have room. And Zenoh may
+        tell its watchers once more of a token that has just gone: who watches tokens that matter asks by another one.
         """
         room: zenoh.handlers.FifoChannel[zenoh.Reply] = zenoh.handlers.FifoChannel(TOKENS)
         replies = self._session.liveliness().get(pattern, room, timeout=timeout)

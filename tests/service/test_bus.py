@@ -280,14 +280,23 @@ def test_no_token_is_missed_by_who_is_busy(client, bus):
         (told.add if here else told.discard)(robot)
 
     bus.beside("*").watch_robots(changed)
-    with stranger(client) as session:
+    with Bus(Network("client", [client.endpoint]), client.robot) as asking, stranger(client) as session:
         tokens = [session.liveliness().declare_token(f"{name}/alive/fuse") for name in names]
-        wait_until(lambda: names <= bus.robots().keys())
+        wait_until(lambda: names <= asking.robots().keys())
         go_on.set()
         wait_until(lambda: names <= told)
         go_on.clear()
         for token in tokens:
             token.undeclare()
-        wait_until(lambda: not names & bus.robots().keys())
-    go_on.set()
-    wait_until(lambda: not names & told)
+        wait_until(lambda: not names & asking.robots().keys())
+        go_on.set()
+        wait_until(lambda: not names & told)
+
+
+def test_who_watches_many_tokens_may_ask_for_them(client, bus):
+    names = {f"r{number}" for number in range(300)}
+    bus.beside("*").watch_robots(lambda *_: None)
+    with stranger(client) as session:
+        tokens = [session.liveliness().declare_token(f"{name}/alive/fuse") for name in names]
+        wait_until(lambda: names <= bus.robots().keys())
+        assert len(tokens) == len(names)
