@@ -24,7 +24,7 @@ def route(network: Network, robot: str, name: str, stop: StopSignal) -> int:
     """
     token = f"router-{name}"
     joined = Joined(f"{robot}/{alive(token)}") if targets(network) else None
-    opened = False
+    opened, told = False, ""
     while not stop.is_set():
         files = Files(network)
         try:
@@ -32,12 +32,14 @@ def route(network: Network, robot: str, name: str, stop: StopSignal) -> int:
         except BusError as error:
             if not opened:
                 raise
-            log.warning("waits for the rest of the keys, for %s", error)
+            if str(error) != told:
+                log.warning("waits for the rest of the keys, for %s", error)
+                told = str(error)
             stop.wait(RETRY)
             continue
         if bus is None:
             break
-        opened = True
+        opened, told = True, ""
         with bus:
             _route_once(Service(token, ServiceConfig(), bus, stop), files, joined, stop)
     return 0
